@@ -26,6 +26,8 @@ __all__ = [
 ]  # fmt: skip
 
 _EPS = 2.0**-52
+#: A value of g is round-off below this many times the first-order bound on its rounding, as in `transition.surface`.
+_ROUNDINGS = 16.0
 #: Largest projection to the surface, relative to the state: it corrects round-off alone.
 _FARTHEST = 1e-12
 #: The same where gradients of ψ are nearly dependent, and the state is determined to half the digits only.
@@ -139,11 +141,19 @@ def level_residual_lines(names: Names, mode: Mode) -> list[str]:
 
 
 def levels_texts(laws: Laws, mode: Mode) -> list[str]:
-    """Texts of `set_levels` and `level_residual` of a mode."""
+    """Texts of `set_levels` and `level_residual` of a mode.
+
+    Sliding keeps g = 0. Where g is within rounding of zero its level is zero, not the round-off of where the surface
+    was met: a state that decays along the surface becomes smaller than that, and would come to rest beside it.
+    """
     names = Names(laws)
     m, level = len(mode.conserved), names.frame.level
     levels = [*names.unpack, *names.doubled([f"u{j}" for j in range(m)], mode.conserved)]
     for j in range(m):
+        if mode.conserved[j] == mode.surface:
+            rounding = names.own([rounding_bound(mode.surface) * sympy.Float(_ROUNDINGS * _EPS)])
+            levels += assignments(["noise"], rounding, names.temporaries)
+            levels += [f"if abs(u{j}) <= noise:", f"    u{j} = u{j}_low = 0.0"]
         levels += [f"w[{level + j}] = u{j}", f"w[{level + names.frame.m + j}] = u{j}_low"]
     levels.append(f"w[{abi.LEVELS_SET}] = 1.0")
     residual = [*names.unpack, *level_residual_lines(names, mode)]

@@ -46,6 +46,8 @@ _LOST = 2.0**-20
 _FREEDOM = 2.0**10
 #: A correction below 4 eps of the state is round-off.
 _NOTHING = 4 * 2.0**-52
+#: The least normal double: what is smaller has no relative accuracy, so that a correction below it is round-off.
+_NORMAL = 2.0**-1022
 #: Bound, relative to the increment, on the correction for the round-off that one step adds to ψ.
 _ROUNDING = 1e-6
 #: Largest number of unknowns of linear systems that are solved by cofactors.
@@ -331,7 +333,8 @@ class StepCode:
         each = " and ".join(f"abs(e{k}) <= {_SETTLED} * max(abs(d{k}), abs(x{k}))" for k in range(d))
         if prepared:  # so far off the levels, the series has not resolved the solution
             least = f"({_ASTRAY} if independent else {_LOST})" if m > 1 else str(_ASTRAY)
-            inner.append(f"if adds and size > max({_FREEDOM} * w[{abi.TOLERANCE}], {least}) * max({whole}, state):")
+            allowed = f"max({_FREEDOM} * w[{abi.TOLERANCE}], {least}) * max({whole}, state)"
+            inner.append(f"if adds and size > max({allowed}, {_NORMAL}):")
             inner.append(f"    return {abi.NO_SOLUTION}")
         inner.append(f"if (size <= {_SETTLED} * {whole} or size <= {_NOTHING} * state) and {each}:")
         inner.append("    break")
@@ -339,7 +342,7 @@ class StepCode:
         # Near an equilibrium, where ψ hardly varies, a projection may be large relative to Δ but negligible to x.
         self._lines += [
             "else:",
-            f"    if not size <= {_SETTLED} * state:",
+            f"    if not size <= max({_SETTLED} * state, {_NORMAL}):",
             f"        return {abi.NO_SOLUTION}",
         ]
         return list(self.increment)

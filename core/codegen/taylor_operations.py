@@ -22,6 +22,8 @@ from core.codegen.convolutions import Sums
 
 __all__ = ["Bag", "Linear", "Node", "Operations", "key_of", "single"]
 
+#: Factor that makes every subnormal number normal.
+_LIFT = 2.0**64
 
 #: Nodes and their exponents in a product.
 Bag = Counter[int]
@@ -273,9 +275,10 @@ class Operations:
         return name if a == 1 else f"-{name}" if a == -1 else f"{self.constant(a)}*{name}"
 
     def unit(self) -> list[str]:
-        """Lines that set the unit of time: `shrink` times a power of two near |x|/|f|."""
+        """Lines that set the unit of time: `shrink` times a power of two near |x|/|f|, also of subnormal numbers."""
         size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
-        return [f"size, speed = {size}, {speed}", "unit = shrink*power_near(size, speed)"]
+        lines = [f"size, speed = {size}, {speed}", f"lift = {_LIFT} if size + speed < 1.0 else 1.0"]
+        return [*lines, "unit = shrink*power_near(lift*size, lift*speed)"]
 
     def needed(self, texts: Iterable[str]) -> tuple[set[int], set[str]]:
         """Nodes and sums whose coefficients these texts need; factoring products differently leaves some unused."""

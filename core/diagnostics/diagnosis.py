@@ -19,7 +19,7 @@ from core.diagnostics.constants import (
 from core.diagnostics.corners import undecided_corners
 from core.diagnostics.encounters import Encounters, encounters
 from core.diagnostics.near_touches import near_touches
-from core.diagnostics.resolution import RUNS_AWAY, unresolved
+from core.diagnostics.resolution import resolvable, unresolved
 from core.diagnostics.scheme import Scheme
 from core.integration.crossings import Crossings
 from core.integration.trajectory import Status, Trajectory
@@ -135,15 +135,19 @@ def step_warning(run: Trajectory) -> str:
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
     warnings = unresolved(run) or tuple(undecided_corners(run)) or tuple(islice(near_touches(run), 1))
-    if not warnings and run.status not in RUNS_AWAY:  # where they run away, no step is below a bound
-        warnings = _diagnosis(run, run.crossings.first(min(_FIRST, _entered_for_good(run)))).warnings
+    if not warnings:
+        warnings = _diagnosis(run, run.crossings.first(min(_FIRST, _judged(run)))).warnings
     return f"{warnings[0]}." if warnings else ""
 
 
-def _entered_for_good(run: Trajectory) -> int:
-    """Number of crossings without those within a step of a touch that ended the run, beside which no bound is kept."""
+def _judged(run: Trajectory) -> int:
+    """Number of crossings before those at the end beside which no bound is kept.
+
+    These are within a step of a touch that ended the run, or where no step is short enough for the solution.
+    """
     t = run.crossings.t
-    return int((np.abs(run.t[-1] - t) > run.tau).sum()) if run.status is Status.GRAZING else len(t)
+    beside_touch = (run.status is Status.GRAZING) & (np.abs(run.t[-1] - t) <= run.tau)
+    return int((resolvable(run, t) & ~beside_touch).sum())
 
 
 def _diagnosis(run: Trajectory, crossings: Crossings) -> Diagnosis:
@@ -216,7 +220,7 @@ def _warnings(tau: float, t: Floats, constants: Constants) -> Iterator[str]:
         rows = np.flatnonzero(values < tau)
         if rows.size:
             worst = rows[np.argmin(values[rows])]
-            advice = f"tau below {_round_down(values[worst]):g}" if values[worst] > 0.0 else "a smaller tau"
+            advice = f"tau below {_round_down(values[worst]):.2g}" if values[worst] > 0.0 else "a smaller tau"
             where = _place(t, rows, worst)
             yield f"tau = {tau:.3g} exceeds {bound} = {values[worst]:.3g}{where}: {consequence}; take {advice}"
 
@@ -237,9 +241,9 @@ def _place(t: Floats, rows: NDArray[np.intp], worst: np.intp) -> str:
 
 
 def _round_down(value: float) -> float:
-    """A positive number rounded down to its first digit."""
-    unit = 10.0 ** math.floor(math.log10(value))
-    return math.floor(value / unit) * unit
+    """A positive number rounded down to two digits."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / unit * (1.0 + 1e-12)) * unit
 
 
 def _summary(run: Trajectory, crossings: Crossings, constants: Constants, warnings: tuple[str, ...]) -> str:
@@ -254,5 +258,6 @@ def _summary(run: Trajectory, crossings: Crossings, constants: Constants, warnin
     if through:
         parts.append(f"alpha_S^2 = {_least(constants.alpha2):.3g}, alpha_hat_S^2 = {_least(constants.alpha_hat2):.3g}")
         parts.append(f"least window {_least(constants.window):.3g}")
-    bounds = "exceeds a bound" if warnings else "satisfies all bounds" if through else "is compared with no bound"
+    compared = through and not METHODS[run.method].adaptive
+    bounds = "exceeds a bound" if warnings else "satisfies all bounds" if compared else "is compared with no bound"
     return f"{'; '.join(parts)}: tau = {run.tau:.3g} {bounds}."

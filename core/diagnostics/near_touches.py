@@ -13,7 +13,7 @@ import numpy as np
 
 from core.codegen.rounding import rounding_bound
 from core.compilation.guards import guard_table
-from core.diagnostics.resolution import RUNS_AWAY
+from core.diagnostics.resolution import resolvable
 from core.integration.dense_output import Stepper, Track
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
@@ -74,9 +74,9 @@ def near_touches(run: Trajectory) -> Iterator[str]:
     str
         Some sentences, without the last full stop, in the order of the run.
     """
-    if run.passes is None or not len(run.passes) or run.status in RUNS_AWAY or run.t[-1] == run.t[0]:
+    if run.passes is None or not len(run.passes) or run.t[-1] == run.t[0]:
         return
-    search = _Search(run, run.passes)
+    search = _Search(run, run.passes[resolvable(run, run.passes[:, 0])])
     for place, since in search.places():
         least = search.least(place)
         if least is not None and search.is_slight(place, least):

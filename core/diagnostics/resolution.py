@@ -17,10 +17,12 @@ from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.symbolic.expressions import parse
 
-__all__ = ["RUNS_AWAY", "unresolved"]
+__all__ = ["resolvable", "unresolved"]
 
 #: How runs end in which the numerical solution grows without bound.
-RUNS_AWAY = (Status.ESCAPED, Status.UNSTABLE)
+_RUNS_AWAY = (Status.ESCAPED, Status.UNSTABLE)
+#: Steps before such an end in which steps of one size resolve nothing: at a pole, the time left is the time scale.
+_LAST_STEPS = 64.0
 
 Integers = NDArray[np.int64]
 
@@ -43,6 +45,8 @@ _APART_KEPT = 1e-6
 _TOLERANCES = 1e3
 #: Distance below which it is round-off for any method, relative to the state.
 _ROUNDING = 2.0**-44
+#: The least normal double: a smaller distance is round-off, whatever the state is.
+_NORMAL = 2.0**-1022
 #: Height below zero at an end of a step, as part of its largest size in it: a perturbation has put the state there.
 _BEHIND = 2.0**-40
 #: Largest error of a height or its rate, in units of the first-order bound on its rounding.
@@ -71,13 +75,22 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     if samples is None:
         return ()
     kept = _steps(run, samples[:, 0], samples[:, 3:], samples[:, 1].astype(np.int64), samples[:, 2])
-    if run.status in RUNS_AWAY:  # no step is short enough where the solution escapes
+    if run.status in _RUNS_AWAY:  # no step is short enough where the solution escapes
         return tuple(kept.too_long_for_g(kept.hides_before_it_runs_away()))
     first = _first_steps(run)
     of_g = (*kept.too_long_for_g(kept.hides()), *first.too_long_for_g(first.hides()))
     of_events = kept.too_long_for_events()
     of_field = _too_long_for_the_field((kept, _unlike(run), first))
     return (*of_g[:1], *of_events, *islice(of_field, 1))
+
+
+def resolvable(run: Trajectory, t: Floats) -> NDArray[np.bool_]:
+    """Whether steps of the size of a run could resolve the solution at times: not just before it grows without bound.
+
+    A method that chooses its steps takes shorter ones there.
+    """
+    last = 0.0 if METHODS[run.method].adaptive or run.status not in _RUNS_AWAY else _LAST_STEPS * run.tau
+    return np.asarray(np.abs(run.t[-1] - t) >= last)
 
 
 def _unlike(run: Trajectory) -> _Steps:
@@ -132,6 +145,8 @@ class _Departures(NamedTuple):
     """How far the state goes within the step."""
     apart: Floats
     """How far from there shorter steps lead; 0 where that may be round-off."""
+    size: Floats
+    """Largest size of the coordinate in the step."""
 
 
 def _too_long_for_the_field(groups: tuple[_Steps, ...]) -> Iterator[str]:
@@ -297,13 +312,24 @@ class _Steps:
         with np.errstate(all="ignore"):
             apart = np.abs(np.cumsum(self._by_steps_between(times, whole) - whole[:, 2:], axis=1)).max(axis=1)
             way = np.abs(whole - whole[:, :1]).max(axis=1)
-            least = self._least * np.abs(whole).max(axis=1)
-        return _Departures(way, np.where(apart > least, apart, 0.0))
+            size = np.abs(whole).max(axis=1)
+        return _Departures(way, np.where(apart > np.maximum(self._least * size, _NORMAL), apart, 0.0), size)
+
+    def _allowed(self, found: _Departures, unit: Floats) -> Floats:
+        """Departures, by coordinate, that a variable-step method allows itself; 0 for other methods.
+
+        Its tolerance is relative to the largest coordinate, which a decaying one may fall below. But a coordinate may
+        be small because of its unit of measurement: no more is allowed to it than if it were as large as its changes.
+        """
+        if not self.method.adaptive:
+            return np.zeros_like(found.apart)
+        return np.asarray(_TOLERANCES * self.run.tolerance * np.minimum(found.size.max(axis=1, keepdims=True), unit))
 
     def too_long_for_the_field(self, found: _Departures, unit: Floats) -> Iterator[str]:
         """Warn of the step with the largest departure as part of its way, in units of each coordinate."""
         with np.errstate(all="ignore"):
-            part = (found.apart / unit).max(axis=1) / (found.way / unit).max(axis=1)
+            apart = np.where(found.apart > self._allowed(found, unit), found.apart, 0.0)
+            part = (apart / unit).max(axis=1) / (found.way / unit).max(axis=1)
         if not len(part):
             return
         worst = int(np.argmax(np.nan_to_num(part, nan=0.0)))

@@ -1,5 +1,6 @@
-"""Checks of the arguments of public functions, how they are given up, and the display of their results."""
+"""Checks of the arguments of public functions, how they are given up and where they run, the display of results."""
 
 from core.interface.cancelling import Cancel, Cancelled
+from core.interface.machine import processor
 
-__all__ = ["Cancel", "Cancelled"]
+__all__ = ["Cancel", "Cancelled", "processor"]

@@ -203,9 +203,15 @@ def step_length_of_height(c, d, order, tolerance):
 
 
 @always_inlined
-def correction_of_unit(length):
-    """Factor of the unit of time in which a step length came out too small, or nan."""
-    return power_of_two(length) if length > 0.0 else _OVERFLOWN
+def correction_of_unit(length, unit, longest):
+    """Factor of the unit of time in which a step length came out too small, or nan.
+
+    Where coefficients overflow, the new unit is at most near `longest`, positive: no step needs a longer one. Near an
+    equilibrium other than x = 0, the unit |x|/|f| may be too long by most of the range of doubles.
+    """
+    if length > 0.0:
+        return power_of_two(length)
+    return min(_OVERFLOWN, power_near(longest, unit))
 
 
 @jitted

@@ -132,7 +132,7 @@ _HALF = Rational(1, 2)
 RK2 = Method(
     "rk2",
     ButcherTableau(((), (_HALF,)), (Integer(0), Integer(1)), 2),
-    "Explicit midpoint rule, order 2: the paper’s baseline, which does not conserve ψ.",
+    "Explicit midpoint rule, order 2: the paper’s baseline, which in general does not conserve ψ.",
 )
 
 CLASSICAL = ButcherTableau(
@@ -144,7 +144,7 @@ CLASSICAL = ButcherTableau(
 RK4 = Method(
     "rk4",
     CLASSICAL,
-    "Classical Runge–Kutta method, order 4: explicit; it does not conserve ψ.",
+    "Classical Runge–Kutta method, order 4: explicit; in general it does not conserve ψ.",
 )
 
 DOP853 = ButcherTableau(
@@ -157,7 +157,7 @@ DOP853 = ButcherTableau(
 RK8 = Method(
     "rk8",
     DOP853,
-    "Explicit method of Dormand and Prince, order 8; it does not conserve ψ.",
+    "Explicit method of Dormand and Prince, order 8; in general it does not conserve ψ.",
 )
 
 #: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3 and VI.4: symmetric, symplectic.

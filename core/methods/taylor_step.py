@@ -24,6 +24,9 @@ _LONGEST = 2.0**20
 _AT_REST = 2.0**500
 #: Shortest step, in units of time: a shorter one needs another unit, since its 24th power could underflow.
 _SHORTEST = 2.0**-24
+#: Size of state and motion so near underflow that the loss of a coefficient, up to 2⁻¹⁰⁷⁴, may matter: its product with
+#: the 24th power of a length up to 2⁵ exceeds 2⁻⁵² of this.
+_FAINT = 2.0 ** (-1074 + 24 * 5 + 52)
 #: Largest number of evaluations of the coefficients: one beside the state, others at the state in new units of time.
 _ATTEMPTS = 6
 #: Displacement of the state beside which the coefficients are evaluated, relative to the state …
@@ -71,16 +74,33 @@ def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
     for other in heights[1:]:
         lines += [f"other = {other}", "height = min(height, other) if height + other == height + other else math.nan"]
     lines += ["length = min(state, height) if state + height == state + height else math.nan"]
+    lines += [f"faint = 0.0 < size + unit*speed < {_FAINT}"]
     if _degree_in_time(laws, mode) > LEAST_ORDER:
         moved = [f"{x} += away*{1 + k % _PRIME / _PRIME}" for k, x in enumerate(names.x)]
         lines[len(names.unpack) : len(names.unpack)] = moved
         lines += ["if away != 0.0:", "    limit, away = length if length == length else 1.0, 0.0", "    continue"]
-        lines += ["if limit != limit and max(state, height) == math.inf:"]
+        lines += ["if limit != limit and max(state, height) == math.inf and not faint:"]
         lines += [f"    away = {_BESIDE}*(size + unit*speed if size + speed > 0.0 else 1.0)", "    continue"]
+    lines += _faint_lines()
     lines += [f"short = length > {_LONGEST} and not limit <= {_LONGEST} and unit*{_LONGEST} < abs(h)"]
     lines += [f"if length >= {_SHORTEST} and not short:", "    break"]
     lines += ["if short:", f"    shrink, limit = shrink * {_LONGEST}, limit / {_LONGEST}", "    continue"]
-    return [*lines, "shrink *= correction_of_unit(length)"]
+    return [*lines, f"shrink *= correction_of_unit(length, unit, abs(h) / {_SHORTEST})"]
+
+
+def _faint_lines() -> list[str]:
+    """Lines that see to it that a step from a state near underflow is no longer than the unit of time.
+
+    Powers of it then do not enlarge what the coefficients lose. Where all high coefficients vanish they are lost, and
+    the solution need not be a polynomial: the step is one unit, in which the state changes by about its size.
+    """
+    return [
+        "if faint and length == math.inf:",
+        "    length = 1.0 if speed > 0.0 else math.inf",
+        "elif faint and length > 1.0:",
+        "    shrink *= 2.0*power_of_two(length)",
+        "    continue",
+    ]
 
 
 def _degree_in_time(laws: Laws, mode: Mode) -> float:

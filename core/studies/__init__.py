@@ -1,12 +1,13 @@
 """Studies of a method by many runs: its order, its cost, its stability."""
 
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision, work_precision
-from core.studies.external_solvers import heyoka_integrator
-from core.studies.order import OrderStudy, order_study
+from core.studies.external_solvers import EXTERNAL_SOLVERS, heyoka_integrator
+from core.studies.order import FIT_ABOVE, FIT_BELOW, OrderStudy, order_study
 from core.studies.stability import (
     ENDINGS,
     NO_START,
     NOT_YET,
+    STARTS_OF_MAP,
     WENT_ON,
     WRONG_CROSSINGS,
     Drift,
@@ -14,6 +15,7 @@ from core.studies.stability import (
     LargestTau,
     OutcomeMap,
     StabilityStudy,
+    default_taus,
     outcome_words,
     stability_study,
 )
@@ -22,8 +24,12 @@ __all__ = [
     "CANCELLED",
     "DONE",
     "ENDINGS",
+    "EXTERNAL_SOLVERS",
+    "FIT_ABOVE",
+    "FIT_BELOW",
     "NOT_YET",
     "NO_START",
+    "STARTS_OF_MAP",
     "WAITING",
     "WENT_ON",
     "WRONG_CROSSINGS",
@@ -35,6 +41,7 @@ __all__ = [
     "OutcomeMap",
     "StabilityStudy",
     "WorkPrecision",
+    "default_taus",
     "heyoka_integrator",
     "order_study",
     "outcome_words",

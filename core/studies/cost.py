@@ -78,8 +78,8 @@ class CostCurve(Brief):
     time_error: Floats
     """(m,) |t̂ − t*| of the last crossing; nan where there is none, or where their sequence is wrong."""
     invariant_error: Floats
-    """(m,) largest |Δψ| over all segments, each from where it was entered to where it was left, or to the end, as in
-    `Trajectory.conserved_error`; nan where no ψ is known."""
+    """(m,) largest |Δψ| since the start off the surface, after any step, see `Trajectory.change_of_psi`; nan where no ψ
+    is known."""
     crossings: Floats
     """(m,) number of crossings and jumps found."""
     status: tuple[str, ...]
@@ -102,6 +102,8 @@ class WorkPrecision:
     """Name of the reference solution."""
     floor: Mapping[str, float]
     """Errors that are round-off of run and reference, of "state", "time" and "invariant"."""
+    repeats: int
+    """Most timed runs at one setting, of which the fastest counts."""
 
     @property
     def crossings(self) -> int:
@@ -194,7 +196,7 @@ def work_precision(
     except Cancelled:
         target = Target.unknown(system, start, span)
     ladders = {name: given.get(name) or _ladder(name, target, budget) for name in names}
-    study, given_up = _Study(target, ladders), GivenUp()
+    study, given_up = _Study(target, ladders, repeats), GivenUp()
     most = 2 * len(target.crossings) + 10
     problem = Problem(system, span[0], target.end, start, most, repeats, budget, transition, sliding, given_up)
     tasks = [(problem, name, setting) for _, name, setting in study.places]
@@ -208,8 +210,8 @@ def work_precision(
 class _Study:
     """The curves of a study, filled point by point."""
 
-    def __init__(self, target: Target, ladders: Mapping[str, Sequence[float]]) -> None:
-        self._target = target
+    def __init__(self, target: Target, ladders: Mapping[str, Sequence[float]], repeats: int) -> None:
+        self._target, self._repeats = target, repeats
         self._curves = [_empty(name, ladder) for name, ladder in ladders.items()]
         rounds = range(max(map(len, ladders.values())))
         #: Column of a curve, its name and the setting; the cheapest settings of all integrators come first.
@@ -231,7 +233,8 @@ class _Study:
         ]
         target = self._target
         span = (target.t0, target.end)
-        return WorkPrecision(span, tuple(curves), target.crossings.tally, target.reference, target.floor)
+        met = target.crossings.tally
+        return WorkPrecision(span, tuple(curves), met, target.reference, target.floor, self._repeats)
 
 
 def _empty(name: str, ladder: Sequence[float]) -> CostCurve:
@@ -259,7 +262,7 @@ def _with_point(curve: CostCurve, k: int, measured: Measured, target: Target) ->
             "evaluations": measured.evaluations,
             "state_error": float(np.linalg.norm(measured.x - target.x)),
             "time_error": math.nan if difference or not len(found) else abs(found.t[-1] - target.crossings.t[-1]),
-            "invariant_error": measured.conserved_error,
+            "invariant_error": measured.change_of_psi,
             "crossings": int(crossed(np.array(found.tally))),
             "correct_sequence": not difference,
         }

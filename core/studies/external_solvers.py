@@ -18,6 +18,7 @@ import scipy  # loads a subpackage when it is first used
 import sympy
 from sympy import Expr
 
+from core.integration.conserved_error import level_residual_along
 from core.integration.starting import first_place
 from core.kernels.arrays import Floats
 from core.symbolic.expressions import TIME
@@ -32,12 +33,15 @@ _EPS = 2.0**-52
 _OFF_SURFACE = 1e-9
 #: Added to g for heyoka, far below round-off: where g starts at exactly 0, as after a jump, it misses later roots.
 _ROOT_SHIFT = 2.0**-100
+#: Method whose compiled functions evaluate ψ along a run: explicit, so that it admits every system.
+_PSI_OF = "rk2"
 #: Steps of heyoka between two checks of the time used.
 _STEPS_AT_ONCE = 4096
 
 
 K = TypeVar("K")
 V = TypeVar("V")
+Seen: TypeAlias = "list[tuple[float, Floats]]"
 Jump: TypeAlias = "tuple[Expr, ...]"
 
 
@@ -57,25 +61,26 @@ class Arcs:
     """Time and state at each crossing, before its jump, and at the end."""
     evaluations: float = np.nan
     """Number of evaluations of the field; nan if unknown."""
+    seen: list[list[tuple[float, Floats]]] = field(default_factory=list)
+    """Times and states after each step of each segment, the last where it is left; empty if not recorded."""
 
     @property
     def crossings(self) -> int:
         """Number of crossings."""
         return len(self.left) - 1
 
-    def conserved_error(self, system: PiecewiseSystem) -> float:
-        """Largest change of any ψ over a segment; nan where there is no ψ."""
-        worst = np.nan
-        for side in sorted(set(self.side)):
-            ends = [(a, b) for s, a, b in zip(self.side, self.entered, self.left, strict=True) if s == side]
-            mode = system.laws.mode(system.laws.labelled(side))
-            if mode.conserved:
-                psi = [
-                    system.conserved(mode.name, np.array([t for t, _ in one]), np.array([x for _, x in one]))
-                    for one in zip(*ends, strict=True)
-                ]
-                worst = np.fmax(worst, np.abs(psi[1] - psi[0]).max())
-        return float(worst)
+    def change_of_psi(self, system: PiecewiseSystem) -> float:
+        """Largest |Δψ| off the surface over the states recorded, see `Trajectory.change_of_psi`; nan without ψ."""
+        laws, counts = system.laws, [len(states) for states in self.seen]
+        t, x = (np.array(column) for column in zip(*(one for states in self.seen for one in states), strict=True))
+        mode = np.array([laws.labelled(side) for side in self.side])
+        segment, entered_t = np.repeat(np.arange(len(mode)), counts), np.array([t for t, _ in self.entered])
+        entered = entered_t, np.array([x for _, x in self.entered])
+        error = level_residual_along(system, _PSI_OF, t, x, mode[segment], segment, *entered)
+        error[mode[segment] >= len(laws.regions)] = np.nan  # of sliding, where g is what is kept
+        lost = np.cumsum(np.nan_to_num(error[np.cumsum(counts) - 1]), axis=0)
+        error[segment > 0] += lost[segment[segment > 0] - 1]
+        return float(np.fmax.reduce(np.abs(error), axis=None, initial=np.nan))
 
 
 class Arrival(NamedTuple):
@@ -92,8 +97,13 @@ class Arrival(NamedTuple):
 class Prepared(Protocol):
     """An external solver set up for a system and a tolerance, to be run any number of times."""
 
-    def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
-        """Integrate from (t, x) on a side to the surface or to `end`; raise `Stopped` where neither is reached."""
+    def arc(
+        self, side: int, t: float, x: Floats, end: float, check: Callable[[], None], seen: Seen | None = None
+    ) -> Arrival:
+        """Integrate from (t, x) on a side to the surface or to `end`; raise `Stopped` where neither is reached.
+
+        Times and states after each step are added to `seen` where given.
+        """
 
 
 class ExternalSolver(NamedTuple):
@@ -109,6 +119,8 @@ class ExternalSolver(NamedTuple):
     """Default tolerances of a study."""
     prepare: Callable[[ScalarFunctions, float, float], Prepared]
     """(system, tolerance, size of the state) -> the solver set up for it; raises `Stopped` if not installed."""
+    compiled: bool
+    """Whether it compiles the field, as the methods of this package do; else it calls a Python function."""
 
 
 class _OnDemand(dict[K, V]):
@@ -224,6 +236,7 @@ def external_arcs(
     x0: Floats,
     max_crossings: int,
     check: Callable[[], None],
+    record: bool = False,
 ) -> Arcs:
     """Integrate from crossing to crossing.
 
@@ -233,6 +246,8 @@ def external_arcs(
         Number of crossings beyond which the run is given up.
     check
         Called from time to time; it raises `Stopped` if the run should be given up.
+    record
+        Whether to keep the states after each step.
 
     Raises
     ------
@@ -245,8 +260,11 @@ def external_arcs(
         arcs.side.append(side)
         arcs.entered.append((t, x))
         since = t
-        t, x, on_surface, evaluations, guard = prepared.arc(side, t, x, end, check)
+        seen: Seen | None = [] if record else None
+        t, x, on_surface, evaluations, guard = prepared.arc(side, t, x, end, check, seen)
         arcs.left.append((t, x))
+        if seen is not None:
+            arcs.seen.append([*seen, (t, x)])
         arcs.evaluations += evaluations
         if not on_surface:
             return arcs
@@ -272,12 +290,16 @@ class _PreparedScipy:
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
         return event
 
-    def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
+    def arc(
+        self, side: int, t: float, x: Floats, end: float, check: Callable[[], None], seen: Seen | None = None
+    ) -> Arrival:
         """Integrate to the surface or to `end`."""
         self._check = check
         run = scipy.integrate.solve_ivp(self._field[side], (t, end), x, events=self._events[side], **self._options)
         if not run.success:
             raise Stopped(f"SciPy stops at t = {run.t[-1]:.6g}: {run.message}")
+        if seen is not None:
+            seen += zip(run.t[1:].tolist(), run.y.T[1:], strict=True)
         met = next((k for k, times in enumerate(run.t_events or ()) if len(times)), 0)
         return Arrival(float(run.t[-1]), np.ascontiguousarray(run.y[:, -1]), run.status == 1, run.nfev, met)
 
@@ -303,12 +325,22 @@ class _PreparedHeyoka:
         one = heyoka_integrator(functions.system, functions.mode(label), tolerance)
         return one, one.state
 
-    def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
+    def arc(
+        self, side: int, t: float, x: Floats, end: float, check: Callable[[], None], seen: Seen | None = None
+    ) -> Arrival:
         """Integrate to the surface or to `end`."""
         (one, state), outcomes = self._integrators[side], self._outcomes
         one.time, state[:] = t, x
         one.reset_cooldowns()
-        while (outcome := one.propagate_until(end, max_steps=_STEPS_AT_ONCE)[0]) == outcomes.step_limit:
+        options: dict[str, Any] = {"max_steps": _STEPS_AT_ONCE}
+        if seen is not None:
+
+            def keep(taken: Any) -> bool:
+                seen.append((taken.time, taken.state.copy()))
+                return True
+
+            options["callback"] = keep
+        while (outcome := one.propagate_until(end, **options)[0]) == outcomes.step_limit:
             check()
         met = -1 - int(outcome.value)
         if outcome != outcomes.time_limit and not 0 <= met < len(one.t_events):
@@ -350,7 +382,7 @@ def _tolerances(*digits: int) -> tuple[float, ...]:
 EXTERNAL_SOLVERS: Mapping[str, ExternalSolver] = MappingProxyType({
     solver.name: solver
     for solver in (
-        ExternalSolver("scipy", "SciPy DOP853", 100 * _EPS, _tolerances(3, 5, 7, 9, 11, 12, 13), _PreparedScipy),
-        ExternalSolver("heyoka", "heyoka", _EPS, _tolerances(3, 5, 7, 9, 11, 13, 15), _PreparedHeyoka),
+        ExternalSolver("scipy", "SciPy DOP853", 100 * _EPS, _tolerances(3, 5, 7, 9, 11, 12, 13), _PreparedScipy, False),
+        ExternalSolver("heyoka", "heyoka", _EPS, _tolerances(3, 5, 7, 9, 11, 13, 15), _PreparedHeyoka, True),
     )
 })  # fmt: skip

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -59,8 +59,8 @@ class Measured(NamedTuple):
     x: Floats | None = None
     """(d,) state at the end."""
     crossings: CrossingSequence | None = None
-    conserved_error: float = math.nan
-    """Largest change of any ψ over a segment, from where it was entered to where it was left, or to the end."""
+    change_of_psi: float = math.nan
+    """Largest |Δψ| off the surface, see `Trajectory.change_of_psi`."""
 
 
 class _Clock:
@@ -84,7 +84,7 @@ class _Clock:
 def measure(problem: Problem, name: str, setting: float) -> Measured:
     """Run one integrator at one setting; in one process, one at a time.
 
-    The first run is not timed; it records the crossings. Of the repeats that follow the fastest counts; no further one
+    The first run is not timed; it records the steps. Of the repeats that follow the fastest counts; no further one
     begins once they have taken `problem.budget` seconds together.
 
     Parameters
@@ -108,7 +108,7 @@ def _measure(problem: Problem, name: str, setting: float) -> Measured:
     compiling = time.thread_time() - started
     clock = _Clock(problem.budget, problem.cancel)
     try:
-        arcs = explore(clock)
+        arcs, change = explore(clock)
     except Stopped as why:
         return Measured(str(why), compiling)
     x, crossings = arcs.left[-1][1], _sequence(arcs, problem.system)
@@ -116,44 +116,48 @@ def _measure(problem: Problem, name: str, setting: float) -> Measured:
         return Measured("the state at the end is not finite", compiling)
     seconds = _fastest(again, problem.repeats, problem.budget)
     raise_if(problem.cancel)
-    error = arcs.conserved_error(problem.system)
-    return Measured("", compiling, seconds, arcs.evaluations, x, crossings, error)
+    return Measured("", compiling, seconds, arcs.evaluations, x, crossings, change)
 
 
-def _own_method(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
-    """A method of METHODS: a run that records its crossings, and one that records only the end, to be timed."""
+#: A run within the budget, and its largest |Δψ|; the same run, to be timed.
+_Runs: TypeAlias = tuple[Callable[[_Clock], tuple[Arcs, float]], Callable[[], object]]
+
+
+def _own_method(problem: Problem, name: str, setting: float) -> _Runs:
+    """A method of METHODS: a run that records its steps, and one that records only the end, to be timed."""
     key = "tolerance" if METHODS[name].adaptive else "tau"
     options: dict[str, Any] = {key: setting, "method": name, "transition": problem.transition}
     options["sliding"] = problem.sliding
     system, span, start = problem.system, (problem.t0, problem.end), problem.x0
 
-    def explore(clock: _Clock) -> Arcs:
-        run = integrate(system, span, start, record="crossings", cancel=clock.over, **options)
+    def explore(clock: _Clock) -> tuple[Arcs, float]:
+        run = integrate(system, span, start, record="steps", cancel=clock.over, **options)
         if run.status is not Status.COMPLETED:
             raise Stopped(clock.reason if run.status is Status.CANCELLED else run.status.reason)
-        return _arcs(run)
+        return _arcs(run), float(np.fmax.reduce(run.change_of_psi()[~run.sliding], initial=np.nan))
 
     integrate(system, span, start, record="end", max_steps=1, **options)  # compiles what there is to compile
     return explore, lambda: integrate(system, span, start, record="end", cancel=problem.cancel, **options)
 
 
 def _arcs(run: Trajectory) -> Arcs:
-    t, x = [*run.crossings.t, run.t[-1]], [*run.crossings.x, run.x[-1]]
+    t, x = [*run.crossings.t, run.t[-1]], [*run.crossings.x, run.x[-1].copy()]
     side = [run.system.laws.label(mode) for mode in (int(run.mode[0]), *run.crossings.mode.tolist())]
     entered = list(zip(run.entered_t, run.entered_x, strict=True))
     return Arcs(side, entered, list(zip(t, x, strict=True)), run.evaluations)
 
 
-def _external(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
+def _external(problem: Problem, name: str, setting: float) -> _Runs:
     """An external solver: a run within the budget, and the same run, to be timed."""
     start, functions = np.array(problem.x0), ScalarFunctions(problem.system, problem.sliding == "continue")
     prepared = EXTERNAL_SOLVERS[name].prepare(functions, setting, float(np.abs(start).max()) or 1.0)
 
-    def run(check: Callable[[], None]) -> Arcs:
-        return external_arcs(functions, prepared, problem.t0, problem.end, start, problem.max_crossings, check)
+    def run(check: Callable[[], None], record: bool = False) -> Arcs:
+        return external_arcs(functions, prepared, problem.t0, problem.end, start, problem.max_crossings, check, record)
 
-    def explore(clock: _Clock) -> Arcs:
-        return run(clock.check)
+    def explore(clock: _Clock) -> tuple[Arcs, float]:
+        arcs = run(clock.check, record=True)
+        return arcs, arcs.change_of_psi(problem.system)
 
     return explore, lambda: run(partial(raise_if, problem.cancel))
 

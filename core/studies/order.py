@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.integrate import checked_method, checked_settings, checked_start
 from core.integration.run_settings import Settings
@@ -23,12 +24,12 @@ from core.reference import Solution, reference_solution
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
-__all__ = ["OrderStudy", "order_study"]
+__all__ = ["FIT_ABOVE", "FIT_BELOW", "OrderStudy", "order_study"]
 
 #: Least error that enters a fit, in units of the floor: below it round-off is seen.
-_ABOVE_FLOOR = 50.0
+FIT_ABOVE = 50.0
 #: Largest error that enters a fit, as part of the size of the state.
-_BELOW_SIZE = 0.3
+FIT_BELOW = 0.3
 #: All step sizes from the finest to this many times it enter a fit.
 _SPAN = 2.0
 #: Coarser ones enter it as long as all slopes between neighbouring points differ by at most this.
@@ -41,6 +42,14 @@ _SCATTER = 1.0
 _FEWEST_STEPS = 4
 #: Round-off of state and reference together, in units of eps times the size of the state.
 _ROUND_OFF = 16.0
+#: How far starts are moved to see how round-off grows, in units of eps times the size of the state: about one rounding.
+_MOVED = 2.0
+#: Number of such starts, in directions of their own.
+_DIRECTIONS = 2
+#: Relative change of their step size: it changes every rounding on the way, and the error of the method by far less.
+_OTHER_STEPS = 2.0**-40
+#: They are followed with the largest step size up to this many times the least, which is cheaper.
+_COARSER = 4.0
 #: Error of a reference, as part of its own estimate, which is the error of the worse of two solutions.
 _OF_ESTIMATE = 0.1
 #: Most step sizes of a study.
@@ -72,27 +81,44 @@ class OrderStudy:
     """(k, 2) least and greatest step size of each fit."""
     window: Floats
     """(1 + k, 2) likewise of the state."""
-    floor: float
-    """Error that is round-off of run and reference."""
+    floor: Floats
+    """(1 + k,) error of the state that is round-off of run and reference, grown along the orbit until then."""
+    time_floor: Floats
+    """(k,) likewise of the crossing times."""
     reference: str
     """Name of the reference solution."""
     size: float = math.nan
     """Largest coordinate of the states compared."""
 
     @property
-    def fit_above(self) -> float:
-        """Errors above this enter the fits: 50 times `floor`, as round-off adds up along a run."""
-        return _ABOVE_FLOOR * self.floor
+    def fit_above(self) -> Floats:
+        """(1 + k,) errors of the state above this enter the fits: 50 times `floor`, as round-off adds up."""
+        return FIT_ABOVE * self.floor
+
+    @property
+    def time_fit_above(self) -> Floats:
+        """(k,) errors of crossing times above this enter the fits: 50 times `time_floor`."""
+        return FIT_ABOVE * self.time_floor
+
+    @property
+    def at_round_off(self) -> NDArray[np.bool_]:
+        """(1 + k,) whether no known error of the state exceeds `fit_above`, and there is one."""
+        return _all_below(self.state_error, self.fit_above)
+
+    @property
+    def time_at_round_off(self) -> NDArray[np.bool_]:
+        """(k,) likewise of the crossing times."""
+        return _all_below(self.time_error, self.time_fit_above)
 
     @property
     def fit_below(self) -> float:
         """Errors of the state below this enter the fits: 0.3 times `size`."""
-        return _BELOW_SIZE * self.size
+        return FIT_BELOW * self.size
 
     @property
     def time_fit_below(self) -> float:
         """Errors of crossing times below this enter the fits: 0.3 times `size`, or 0.3 if that is less than 1."""
-        return _BELOW_SIZE * max(self.size, 1.0)
+        return FIT_BELOW * max(self.size, 1.0)
 
     def __repr__(self) -> str:
         slopes = ", ".join(f"{slope:.2f}" for slope in self.state_slope)
@@ -130,7 +156,8 @@ def order_study(
     system, x0, method, perturbation_order, perturbation_scale, transition, cancel, sliding
         As in `integrate`; sliding begins and ends with a crossing.
     progress
-        Called as ``progress(done, total, partial)`` after each step size.
+        Called as ``progress(done, total, partial)`` after each step size. How round-off grows is measured with the
+        largest step size up to four times the least; slopes of a study without it may still contain round-off.
 
     Raises
     ------
@@ -149,29 +176,38 @@ def order_study(
     settings = [checked_settings(chosen, tau, None, *options, cancel=cancel, sliding=sliding) for tau in steps]
     try:
         exact = reference_solution(system, start, t0, cancel=cancel, sliding=sliding)
-        times, states, crossing_times = _targets(exact, t0, numbers)
+        target = _target(exact, t0, numbers)
     except Cancelled:
         return _nothing(chosen, steps, numbers)
+    times, states = target.times, target.states
     size = float(np.abs(states).max())
-    floor = max(_ROUND_OFF * np.finfo(float).eps * size, _OF_ESTIMATE * exact.error)
+
+    def run(x0: Floats, setting: Settings) -> _Found:
+        return _run(system, chosen, t0, tuple(x0.tolist()), setting, times, numbers)
+
+    time_floor, floor = _least_floors(target)
+    followed = _followed(settings)
     time_error = np.full((len(numbers), len(steps)), np.nan)
     state_error = np.full((1 + len(numbers), len(steps)), np.nan)
 
     def study() -> OrderStudy:
-        time_slope, time_window = _fits(steps, time_error, floor, max(size, 1.0))
+        time_slope, time_window = _fits(steps, time_error, time_floor, max(size, 1.0))
         state_slope, window = _fits(steps, state_error, floor, size)
         return OrderStudy(
             chosen.name, steps, numbers, times, time_error.copy(), state_error.copy(), time_slope, state_slope,
-            time_window, window, floor, exact.name, size,
+            time_window, window, floor, time_floor, exact.name, size,
         )  # fmt: skip
 
     for j, setting in enumerate(settings):
         if cancel is not None and cancel():
             break
-        t_hat, found = _run(system, chosen, t0, start, setting, times, numbers)
-        time_error[:, j] = np.abs(t_hat - crossing_times)
+        t_hat, found = run(np.array(start), setting)
+        time_error[:, j] = np.abs(t_hat - target.crossing_times)
         state_error[:, j] = np.linalg.norm(found - states, axis=1)
         state_error[times - t0 < _FEWEST_STEPS * setting.tau, j] = np.nan
+        if setting is followed:
+            grown = _grown(run, np.array(start), setting, target.states[0], (t_hat, found))
+            time_floor, floor = np.fmax(time_floor, grown[0]), np.fmax(floor, grown[1])
         if progress is not None:
             progress(j + 1, len(settings), study())
     return study()
@@ -186,7 +222,7 @@ def _nothing(method: Method, taus: Floats, numbers: tuple[int, ...]) -> OrderStu
 
     return OrderStudy(
         method.name, taus, numbers, empty(1 + k), empty(k, m), empty(1 + k, m), empty(k), empty(1 + k), empty(k, 2),
-        empty(1 + k, 2), math.nan, "not computed",
+        empty(1 + k, 2), empty(1 + k), empty(k), "not computed",
     )  # fmt: skip
 
 
@@ -205,18 +241,87 @@ def _checked_crossings(crossings: Sequence[int]) -> tuple[int, ...]:
     return numbers
 
 
-def _targets(exact: Solution, t0: float, numbers: tuple[int, ...]) -> tuple[Floats, Floats, Floats]:
-    """Times at which states are compared, the exact states there, and the exact times of the crossings."""
-    t_star = [t0]
-    for k in range(1, numbers[-1] + 2):
-        try:
-            t_star.append(exact.crossing(k)[0])
-        except ValueError as why:
-            needed = f"crossings = {numbers!r}: crossing {numbers[-1]} and the one after it are needed"
-            raise ValueError(f"{needed}, but the trajectory has {k - 1} crossings: {why}") from None
-    halfway = [(t_star[k] + t_star[k + 1]) / 2 for k in (0, *numbers)]
-    states = np.array([exact.state(t) for t in halfway])
-    return np.array(halfway), states, np.array([t_star[k] for k in numbers])
+class _Target(NamedTuple):
+    """What runs are compared with."""
+
+    times: Floats
+    """(1 + k,) times at which states are compared."""
+    states: Floats
+    """(1 + k, d) the solution there."""
+    crossing_times: Floats
+    """(k,) its times of the crossings."""
+    error: Floats
+    """(1 + k,) its own estimate of its error until `times`."""
+
+
+def _target(exact: Solution, t0: float, numbers: tuple[int, ...]) -> _Target:
+    """Ask a solution for its states halfway to the first crossing and after each of some, and for their times."""
+    t_star, times, states, error = [t0], [], [], []
+    for k in (0, *numbers):
+        while len(t_star) < k + 2:
+            t_star.append(_crossing_time(exact, len(t_star), numbers))
+        times.append((t_star[k] + t_star[k + 1]) / 2)
+        states.append(exact.state(times[-1]))
+        error.append(exact.error)
+    return _Target(np.array(times), np.array(states), np.array([t_star[k] for k in numbers]), np.array(error))
+
+
+def _crossing_time(exact: Solution, k: int, numbers: tuple[int, ...]) -> float:
+    """Time of a crossing; ValueError, which says that it is needed, where there is none."""
+    try:
+        return exact.crossing(k)[0]
+    except ValueError as why:
+        needed = f"crossings = {numbers!r}: crossing {numbers[-1]} and the one after it are needed"
+        raise ValueError(f"{needed}, but the trajectory has {k - 1} crossings: {why}") from None
+
+
+#: Times of the crossings (k,), and states (1 + k, d), of one run.
+_Found: TypeAlias = tuple[Floats, Floats]
+
+
+def _followed(settings: Sequence[Settings]) -> Settings:
+    """Settings of the runs that show how round-off grows."""
+    most = _COARSER * min(one.tau for one in settings)
+    return max((one for one in settings if one.tau <= most), key=lambda one: one.tau)
+
+
+def _least_floors(target: _Target) -> _Found:
+    """Errors (k,) of crossing times and (1 + k,) of states that are round-off, even if that does not grow."""
+    eps = float(np.finfo(float).eps)
+    least = np.fmax(_ROUND_OFF * eps * np.abs(target.states).max(), _OF_ESTIMATE * target.error)
+    return np.fmax(least[1:], eps * np.abs(target.crossing_times)), least
+
+
+def _grown(
+    run: Callable[[Floats, Settings], _Found], start: Floats, settings: Settings, early: Floats, found: _Found
+) -> _Found:
+    """Round-off (k,) of crossing times and (1 + k,) of states as it has grown along the orbit.
+
+    Runs from starts a rounding away, with a step size that is hardly another, so that they round differently all along,
+    differ from the one found by what has become of this.
+
+    Parameters
+    ----------
+    early
+        (d,) state before the first crossing: of its size or that of the start is what is rounded first.
+    """
+    moved = _MOVED * float(np.finfo(float).eps) * max(np.abs(start).max(), np.abs(early).max())
+    other = replace(settings, tau=(1.0 - _OTHER_STEPS) * settings.tau)
+    runs = [run(start + moved * direction, other) for direction in _directions(len(start))]
+    times = [_apart(found[0][:, None], t_hat[:, None]) for t_hat, _ in runs]
+    return np.fmax.reduce(times), np.fmax.reduce([_apart(found[1], states) for _, states in runs])
+
+
+def _directions(dimension: int) -> Floats:
+    """Directions (n, d) in which starts are moved, none of them special: each coordinate by 1/2 to 1, up or down."""
+    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, (_DIRECTIONS, dimension))
+    return 0.5 * (np.sign(drawn) + drawn)
+
+
+def _apart(found: Floats, moved: Floats) -> Floats:
+    """Distance of rows of two runs: infinite where the second does not get there, nan where the first does not."""
+    apart = np.linalg.norm(moved - found, axis=1)
+    return np.where(np.isnan(apart) & np.isfinite(found).all(axis=1), np.inf, apart)
 
 
 def _run(
@@ -227,7 +332,7 @@ def _run(
     settings: Settings,
     times: Floats,
     numbers: tuple[int, ...],
-) -> tuple[Floats, Floats]:
+) -> _Found:
     """Times of the crossings, and states at `times`, of one run; nothing else is recorded."""
     runner = Runner(system, method, t0, x0, settings)
     states = np.full((len(times), system.dimension), np.nan)
@@ -241,17 +346,23 @@ def _run(
     return np.array([t_hat[k - 1] if k <= len(t_hat) else np.nan for k in numbers]), states
 
 
-def _fits(taus: Floats, errors: Floats, floor: float, size: float) -> tuple[Floats, Floats]:
+def _fits(taus: Floats, errors: Floats, floors: Floats, size: float) -> tuple[Floats, Floats]:
     """Least-squares slopes of log error over log τ, for each row, and the least and greatest step size of each fit."""
     slopes, windows = np.full(len(errors), np.nan), np.full((len(errors), 2), np.nan)
-    for k, row in enumerate(errors):
-        clear = np.flatnonzero((row > _ABOVE_FLOOR * floor) & (row < _BELOW_SIZE * size))
+    for k, (row, floor) in enumerate(zip(errors, floors, strict=True)):
+        clear = np.flatnonzero((row > FIT_ABOVE * floor) & (row < FIT_BELOW * size))
         finest_first = clear[np.argsort(taus[clear])]
         if len(finest_first) >= _LEAST:
             used = finest_first[: _asymptotic(np.log(taus[finest_first]), np.log(row[finest_first]))]
             slopes[k] = np.polyfit(np.log(taus[used]), np.log(row[used]), 1)[0]
             windows[k] = taus[used].min(), taus[used].max()
     return slopes, windows
+
+
+def _all_below(errors: Floats, floors: Floats) -> NDArray[np.bool_]:
+    """Whether each row has known errors, none of which exceeds its floor."""
+    known = np.isfinite(errors)
+    return np.asarray(known.any(axis=1) & ~(known & (errors > floors[:, None])).any(axis=1))
 
 
 def _asymptotic(x: Floats, y: Floats) -> int:

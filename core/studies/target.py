@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -66,10 +67,16 @@ def target_of(
     floor = {
         "state": max(_ROUND_OFF * size, estimate),
         "time": max(_ROUND_OFF * max(abs(t0), abs(end)), estimate),
-        "invariant": _ROUND_OFF
-        * max(float(psi_size(system, system.laws.labelled(exact.side(t)), t, y)) for t, y in ((t0, x0), (end, x))),
+        "invariant": _ROUND_OFF * _largest_psi_size(system, exact, (t0, *times, end)),
     }
     return Target(t0, end, x, crossings, exact.name, floor)
+
+
+def _largest_psi_size(system: PiecewiseSystem, exact: Solution, times: tuple[float, ...]) -> float:
+    """Largest `psi_size` of the solution at its start and end, at the crossings between, and halfway between these."""
+    instants = sorted({*times, *((a + b) / 2 for a, b in pairwise(times))})
+    modes = [system.laws.labelled(exact.side(t)) for t in instants]
+    return max(float(psi_size(system, mode, t, exact.state(t))) for mode, t in zip(modes, instants, strict=True))
 
 
 def _default_end(exact: Solution, t0: float) -> float:

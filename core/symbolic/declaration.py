@@ -26,7 +26,16 @@ from core.symbolic.mode import rate_along
 from core.symbolic.regular import regular
 from core.symbolic.source_text import quoted, to_text
 from core.symbolic.stream_function import stream_function
-from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, is_zero, tidied
+from core.symbolic.zero_testing import (
+    Domain,
+    counterexample,
+    definite_sign,
+    has_values,
+    independent,
+    is_larger,
+    is_zero,
+    tidied,
+)
 
 __all__ = ["Declaration", "Verdict", "accepted"]
 
@@ -138,9 +147,13 @@ class Declaration(DeclaredTexts):
         if self.longest is not None and is_larger(sympy.Tuple(*self._gradient(found)), self.longest):
             words = ": its derivatives are too long to work with; write it shorter"
         elif self.kind(field) == "surface" and not found.free_symbols & set(self._x) and field == "g":
-            words = f" names no variable, so g = 0 is not a surface: write one of {', '.join(self.variables)} into it"
+            words = (
+                f" names no variable, so g = 0 is not a surface: it has to contain one of {', '.join(self.variables)}"
+            )
         elif self.kind(field) == "surface" and not found.free_symbols & {*self._x, TIME}:
-            words = f" names no variable, so it has no zero: write one of {', '.join(self.variables)} into it"
+            words = f" names no variable, so it has no zero: it has to contain one of {', '.join(self.variables)}"
+        elif self.kind(field) == "surface" and (sign := definite_sign(found)):
+            words = f" is {sign} everywhere, so that nothing switches there: it has to be 0 somewhere"
         else:
             return found
         return Problem(field, self._entry(field, k) + words, k)
@@ -191,7 +204,9 @@ class Declaration(DeclaredTexts):
             wrong = [Problem(field, v.objection, k) for k, v in enumerate(verdicts) if v.objection]
             yield from wrong
             rows = sympy.Matrix([self._gradient(psi) for psi in self.expressions(field).values()])
-            if verdicts and not wrong and not independent(rows, self._domain(name)):
+            constant = [k for k in range(rows.rows) if rows.row(k).is_zero_matrix] if verdicts and not wrong else []
+            yield from (Problem(field, f"{self._entry(field, k)} is constant: remove it", k) for k in constant)
+            if verdicts and not wrong and not constant and not independent(rows, self._domain(name)):
                 words = "their gradients are linearly dependent (or zero), everywhere or in a part of their side; "
                 yield Problem(field, words + "remove what follows from the others")
 

@@ -90,7 +90,7 @@ def _read(
     needed, regions = _needed(len(field.surfaces), field.regions(laws))
     if not needed:
         seen, words = ", ".join(field.surfaces.values()), f"{', '.join(SWITCHING[:-1])} or {SWITCHING[-1]}"
-        why = f"the laws are the same on both sides of {seen}" if seen else "nothing in the field changes its sign"
+        why = f"the laws are the same on both sides of {seen}" if seen else "the field contains no switching term"
         raise ValueError(f"nothing switches: {why}; write {words} where the law changes, as in -x - mu*sign(v - 1)")
     keyed = {"".join("+" if s > 0 else "-" for s in signs): law for signs, law in regions.items()}
     surfaces = tuple(text for k, text in enumerate(field.surfaces.values()) if k in needed)

@@ -23,8 +23,8 @@ from core.symbolic.sampling import Domain, Samples
 from core.symbolic.tape import Tape
 
 __all__ = [
-    "EVERYWHERE", "Counterexample", "Domain", "counterexample", "has_values", "has_values_throughout", "independent",
-    "is_larger", "is_zero", "size_expanded", "tidied",
+    "EVERYWHERE", "Counterexample", "Domain", "counterexample", "definite_sign", "has_values", "has_values_throughout",
+    "independent", "is_larger", "is_zero", "size_expanded", "tidied",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -286,3 +286,25 @@ def size_expanded(expression: sympy.Expr) -> int:
         power = abs(int(expression.exp))
         return max(sizes[0], math.comb(sizes[0] + power - 1, power))
     return max(sizes, default=1)
+
+
+def definite_sign(u: Expr) -> str:
+    """Return "positive" or "negative" if the terms of a sum show that it has this sign for all real values; else ""."""
+    signs, never_zero = set(), False
+    for term in sympy.Add.make_args(u):
+        factors = sympy.Mul.make_args(term)
+        number = sympy.Mul(*[one for one in factors if one.is_number])
+        rest = [one for one in factors if not one.is_number]
+        if not (number.is_real and all(map(_is_nonnegative, rest))):
+            return ""
+        signs.add(bool(number > 0))
+        never_zero |= bool(number != 0) and all(map(_is_positive, rest))
+    return ("negative", "positive")[signs.pop()] if len(signs) == 1 and never_zero else ""
+
+
+def _is_positive(factor: Expr) -> bool:
+    return factor.func in (sympy.exp, sympy.cosh)
+
+
+def _is_nonnegative(factor: Expr) -> bool:
+    return _is_positive(factor) or bool(factor.is_Pow and factor.exp.is_integer and factor.exp.is_even)

@@ -1,4 +1,4 @@
-"""Hénon-Heiles with a wall: a star in the potential of a galaxy, reflected by a line."""
+"""Hénon–Heiles with a wall: a star in the potential of a galaxy, reflected by a line."""
 
 from core.system import Parameter, PiecewiseSystem
 
@@ -6,7 +6,7 @@ _FIELD = ("u", "v", "-x - 2*x*y", "-y - x**2 + y**2")
 _ENERGY = "(u**2 + v**2 + x**2 + y**2)/2 + x**2*y - y**3/3"
 
 SYSTEM = PiecewiseSystem(
-    name="Hénon-Heiles with a wall",
+    name="Hénon–Heiles with a wall",
     variables=("x", "y", "u", "v"),
     f_minus=_FIELD,
     f_plus=_FIELD,

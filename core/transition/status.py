@@ -59,7 +59,7 @@ _WORDS = {
     Status.RUNNING: ("still running", ""),
     Status.COMPLETED: ("reached the end time", ""),
     Status.SLIDING: (
-        "both fields point to the surface, so the state slides along it",
+        "both fields point to the surface, so the solution slides along it",
         'To follow it along the surface, let it slide (sliding="continue").',
     ),
     Status.REPELLING: (

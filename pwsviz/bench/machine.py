@@ -6,7 +6,8 @@ import os
 import platform
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
+
+from core.interface import processor
 
 __all__ = ["machine_lines"]
 
@@ -18,7 +19,7 @@ def machine_lines() -> Iterable[str]:
     """Lines of text on versions and on the processor."""
     packages = ", ".join(f"{name} {_version(name)}" for name in _PACKAGES)
     yield f"Python {platform.python_version()}, {packages}"
-    yield f"{_processor()}, {os.cpu_count()} cores, {platform.machine()} {platform.system()}"
+    yield f"{processor()}, {os.cpu_count()} cores, {platform.machine()} {platform.system()}"
 
 
 def _version(name: str) -> str:
@@ -26,11 +27,3 @@ def _version(name: str) -> str:
         return version(name)
     except PackageNotFoundError:
         return "not installed"
-
-
-def _processor() -> str:
-    """Name of the processor: from a file on Linux, from `platform` elsewhere."""
-    file = Path("/proc/cpuinfo")
-    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or "unknown processor"

@@ -112,4 +112,4 @@ def _declared(parameter: core.Parameter, value: float) -> str:
 
 def _typed(number: float) -> str:
     """Return the shortest text of a number."""
-    return shortest(float(number)).removesuffix(".0")
+    return shortest(float(number))

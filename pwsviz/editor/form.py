@@ -14,7 +14,7 @@ import core
 from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.examples import EXAMPLES
 from pwsviz.editor.regions import REGION_FIELDS
-from pwsviz.editor.validation import Checked, Finding, check
+from pwsviz.editor.validation import MAX_NAME, Checked, Finding, check
 from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
 from pwsviz.text.words import as_text, complaint
@@ -31,6 +31,9 @@ CURRENT = "The system on the page"
 
 BLANK = "Nothing: empty fields"
 """Menu entry that empties all fields."""
+
+CHANGED = " (changed)"
+"""What a system is called after its name when something in it has been changed."""
 
 MATHS_CSS = """
 .maths { overflow-x: auto; overflow-y: hidden; padding: 2px 0 6px 14px; }
@@ -81,7 +84,7 @@ _HELP = {
     "psi_minus": "Optional. One per line.",
     "psi_plus": "Optional. One per line.",
     "x0": "A number for each variable.",
-    "jump": "For impacts: the value of each variable after it reaches g = 0. Leave empty for none.",
+    "jump": "For impacts: the value of each variable after the state reaches g = 0. Leave empty for none.",
     "surfaces": "One per line, up to six. Leave empty if the regions have names.",
     "regions": "In place of g, f₋ and f₊. One per line: the signs of g1, g2, … or a name, a colon, and the time "
     "derivatives. A region that is left out has no law.",
@@ -127,7 +130,8 @@ class SystemEditor(pn.viewable.Viewer):
         self._deliver = deliver or Delivery()
         self._lane = Lane()
         self._filling = False
-        self._system: core.PiecewiseSystem | None = None
+        self._borrowed = ""  # the name of the system filled in, as long as nothing is changed
+        self._outcome: Checked | None = None  # None while the fields are being checked
         self._wanted = False
         self.draft = Draft()
         self.texts = {name: self._make_text(name) for name in FIELDS}
@@ -148,9 +152,7 @@ class SystemEditor(pn.viewable.Viewer):
             self._field("surfaces"), self._field("regions"), self._field("quantities"),
             self._pair("resets", "transitions"), visible=False, margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
-        self.use = pmui.Button(
-            label="Use this system", color="primary", variant="contained", disabled=True, margin=(6, 0)
-        )
+        self.use = pmui.Button(label="Use this system", color="primary", variant="contained", margin=(6, 0))
         self.use.on_click(lambda _: self._use())
 
     def _make_text(self, name: str) -> Any:
@@ -161,8 +163,14 @@ class SystemEditor(pn.viewable.Viewer):
         if name in _LINES:
             options |= {"rows": _LINES[name], "max_rows": 8, "auto_grow": True, "size": "medium"}
         text: Any = (pmui.TextAreaInput if name in _LINES else pmui.TextInput)(**options)
-        text.param.watch(partial(self._take, name), "value_input")
+        for told in ("value_input", "value"):  # at each key, and when the field is left
+            text.param.watch(partial(self._take, name), told)
         return text
+
+    @property
+    def system(self) -> core.PiecewiseSystem | None:
+        """The system that the fields define; None if they define none, or while they are being checked."""
+        return self._outcome.system if self._outcome is not None else None
 
     def start(self) -> None:
         """Fill in the system on the page; say so where it cannot be written in these fields."""
@@ -178,9 +186,11 @@ class SystemEditor(pn.viewable.Viewer):
     def load(self, system: core.PiecewiseSystem) -> None:
         """Fill in a system, and check it at once."""
         self.fill(Draft.of(system))
+        self._borrowed = system.name
 
     def fill(self, draft: Draft) -> None:
         """Fill in a draft, and check it at once."""
+        self._borrowed = ""
         self._filling = True
         try:
             for name, field in self.texts.items():
@@ -206,16 +216,21 @@ class SystemEditor(pn.viewable.Viewer):
             self.start()
 
     def _take(self, name: str, event: Any) -> None:
-        if not self._filling:
-            changed: dict[str, Any] = {name: str(event.new or "")}
-            self._check(replace(self.draft, **changed), quiet=QUIET)
+        changed: dict[str, Any] = {name: str(event.new or "")}
+        draft = replace(self.draft, **changed)
+        if draft == self.draft or self._filling:
+            return
+        if self._borrowed == draft.name and not draft.name.endswith(CHANGED):  # no two systems of one name in a list
+            self.draft = draft = replace(draft, name=draft.name[: MAX_NAME - len(CHANGED)] + CHANGED)
+            self.texts["name"].param.update(value=draft.name, value_input=draft.name)
+        self._borrowed = ""
+        self._check(draft, quiet=QUIET)
 
     # Checking it -----------------------------------------------------------------------------------------------------
 
     def _check(self, draft: Draft, quiet: float) -> None:
         self.draft = draft
-        # The button waits for the outcome: of two changes in quick succession, the browser may restore the first.
-        self._system, self._wanted = None, False
+        self._outcome, self._wanted = None, False
         self._lane.submit(Job(lambda _: check(draft), partial(self._deliver, partial(self._show, draft)), quiet=quiet))
 
     def _show(self, draft: Draft, outcome: Checked | Exception) -> None:
@@ -223,14 +238,14 @@ class SystemEditor(pn.viewable.Viewer):
         if draft != self.draft:
             return
         if isinstance(outcome, Exception):
-            self.status.object, self.use.disabled = complaint(outcome), True
+            self.status.object = complaint(outcome)
             return
         for name, text in self.texts.items():
             self._show_complaint(text, outcome.complaints.get(name), _HELP.get(name, ""))
             self.maths[name].object = _maths(outcome.maths.get(name, ""))
         for name in ("psi", "psi_minus", "psi_plus", "quantities"):
             self.maths[name].object += "".join(map(_finding, outcome.conserved.get(name, ())))
-        self._system, self.use.disabled = outcome.system, outcome.system is None
+        self._outcome = outcome
         self.status.object = _verdict(outcome)
         if outcome.system is not None:
             self._on_ready(outcome.system)
@@ -243,12 +258,17 @@ class SystemEditor(pn.viewable.Viewer):
         text.param.update(**changed)
 
     def _use(self) -> None:
-        """Apply the system; if it is not checked yet, as soon as it is, unless the fields change."""
-        self._wanted = self._system is None
-        if self._system is None:
+        """Apply the system, as soon as it is checked unless the fields change; go to the first field in error."""
+        self._wanted = self._outcome is None
+        if self._outcome is None:
+            return
+        if self._outcome.system is None:
+            wrong = [text for name, text in self.texts.items() if name in self._outcome.complaints]
+            if wrong:
+                wrong[0].focus()
             return
         try:
-            self._on_use(self._system)
+            self._on_use(self._outcome.system)
         except ValueError as reason:
             self.status.object = complaint(reason)
 
@@ -312,7 +332,7 @@ def _verdict(outcome: Checked) -> str:
     if "system" in outcome.complaints:
         return as_text(outcome.complaints["system"], "error")
     titles = "; ".join(FIELDS[name] for name in FIELDS if name in outcome.complaints)
-    return as_text(f"The definition is incomplete. Please check: {titles}.", "error")
+    return as_text(f"The definition is not valid yet. Please check: {titles}.", "error")
 
 
 def _without_icons(words: str) -> str:

@@ -135,7 +135,7 @@ class _Check:
 
     def complain(self, name: str, words: str) -> None:
         """Add a complaint about a field, as a sentence."""
-        words = self.typed.message(words)
+        words = re.sub(r"'([^']*)'", r"“\1”", self.typed.message(words))
         words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
         self.complaints.setdefault(name, []).append(words if words.endswith((".", "…")) else f"{words}.")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 
 import core
@@ -10,10 +12,10 @@ from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.permalink import digest, query
 from pwsviz.scene.scene import Scene
 from pwsviz.text.math_names import variable_name
-from pwsviz.text.numbers import printed
+from pwsviz.text.numbers import printed, shortest
 from pwsviz.text.words import at_surface, listed
 
-__all__ = ["about", "caption", "release"]
+__all__ = ["about", "brief", "caption", "named", "release"]
 
 
 LONGEST = 400
@@ -21,6 +23,37 @@ LONGEST = 400
 
 OMITTED = "its equations are in the TEX, CSV and NPZ files"
 """What a caption says in place of longer equations."""
+
+
+FEW_DIGITS, ROUNDED = 6, 5
+"""Significant digits up to which a caption has a number as it is, and those to which it rounds others."""
+
+EXACT = "Exact values are in the CSV and NPZ files."
+"""What a caption adds where it has rounded a number."""
+
+ORDINARY = {"Classical", "Composition", "Explicit"}
+"""Words at the beginning of the declaration of an integrator that are no names."""
+
+Told = Callable[[float], str]
+"""Writes a number after a sign of equality: “= 0.5”."""
+
+
+def exact(value: float) -> str:
+    """Return a number with all of its digits: “= 0.5”."""
+    return f"= {repr(float(value)).removesuffix('.0')}"
+
+
+def brief(value: float) -> str:
+    """Return a number as a field shows it, “= 100/7”; rounded, “≈ 0.70711”, where that has many digits."""
+    text = shortest(float(value))
+    digits = re.sub(r"e.*|\D", "", text).strip("0")
+    return f"= {text}" if "/" in text or len(digits) <= FEW_DIGITS else f"≈ {value:.{ROUNDED}g}"
+
+
+def named(scene: Scene, heading: str) -> str:
+    """Return the beginning of a caption: “Phase portrait of the system “Elliptic curve””."""
+    name = scene.declaration.name.translate(str.maketrans("“”", "‘’"))
+    return f"{heading} of the system “{name}”"
 
 
 def release() -> str:
@@ -32,8 +65,9 @@ def release() -> str:
 
 
 def about(
-    scene: Scene, address: str = "", how: str = "", *, every_start: bool = True, slid: bool = True, endings: str = ""
-) -> dict[str, str]:
+    scene: Scene, address: str = "", how: str = "", *, every_start: bool = True, slid: bool = True, endings: str = "",
+    told: Told = exact,
+) -> dict[str, str]:  # fmt: skip
     """Return what recomputes a scene, each part under its name: for the header of a file.
 
     Parameters
@@ -50,6 +84,8 @@ def about(
         Whether one of the runs slides; if none does, sliding is not mentioned.
     endings : str
         Which runs ended before the end time, if any did.
+    told : callable
+        Writes the numbers of the scene, as `exact` or `brief`.
     """
     try:
         link = f"{address}?{query(scene)}"
@@ -59,32 +95,54 @@ def about(
     parts |= {"system": scene.declaration.name, "equations": equations(scene.declaration)}
     return parts | {
         "variables": f"{_variables(scene)}; a column of such a name has its values",
-        "parameters": _parameters(scene),
-        "starts": _starts(scene, every_start),
-        "integration": "; ".join(filter(None, (how or _integration(scene, slid), endings))),
+        "parameters": _parameters(scene, told),
+        "starts": _starts(scene, every_start, told),
+        "integration": "; ".join(filter(None, (how or _integration(scene, slid, told, bool(endings)), endings))),
     }
 
 
 def caption(
-    scene: Scene, title: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True,
+    scene: Scene, heading: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True,
     endings: str = "",
 ) -> str:  # fmt: skip
-    """Return the caption of a picture: its title, the equations, the parameters and the method.
+    """Return the caption of a picture: what it shows, the equations, the parameters and the method.
 
     Parameters
     ----------
     scene, how, every_start, slid, endings
         As in `about`.
-    title : str
-        What the picture shows.
+    heading : str
+        What the picture shows, to be followed by “of the system”.
     free : str
         A parameter that has many values in it, whose present one is left out.
     """
-    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings)
-    values = f"; {values}" if (values := _parameters(scene, free)) else ""
-    how = " ".join(f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration"))
-    laws = parts["equations"] if len(parts["equations"]) <= LONGEST else OMITTED
-    return printed(indexed(f"{title}, {parts['system']}: {laws}{values}. {how}"))
+    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, told=brief)
+    values = f"; {values}" if (values := _parameters(scene, brief, free)) else ""
+    sentences = [f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration")]
+    system = scene.declaration
+    surface = ", S = {g = 0}" if system.two_sided else ""
+    count = system.laws.sides.shape[1]
+    signs = f"; a region is named by the signs of {listed([f'g{k + 1}' for k in range(count)])}"
+    signs *= not system.two_sided and count > 0
+    laws = f"{parts['equations']}{surface}{signs}" if len(parts["equations"]) <= LONGEST else OMITTED
+    rounded = [EXACT] if "≈" in f"{values}{sentences}" else []
+    told = " ".join([f"{laws}{values}.", *sentences, *_methods(parts["integration"]), *rounded])
+    return f"{named(scene, heading)}: {printed(indexed(told))}"
+
+
+def _methods(words: str) -> list[str]:
+    """Return a sentence on the integrators that are named in words, each as it is declared; none if none is named."""
+    said: list[str] = []
+    for name, method in reversed(list(core.METHODS.items())):  # the declaration of one may name an earlier one
+        if re.search(rf"\b{name}\b", " ".join([words, *said])):
+            said.insert(0, f"{name}: {_within_a_sentence(re.split('[:;]', method.doc)[0].rstrip('.'))}")
+    return [f"{'; '.join(said)}."] if said else []
+
+
+def _within_a_sentence(words: str) -> str:
+    """Return words that began a sentence, with a small letter unless they begin with a name."""
+    first = words.split(" ", 1)[0]
+    return words if first not in ORDINARY else f"{words[0].lower()}{words[1:]}"
 
 
 def _variables(scene: Scene) -> str:
@@ -93,29 +151,34 @@ def _variables(scene: Scene) -> str:
     return ", ".join(name if shown == name else f"{name} (in equations {shown})" for name, shown in names)
 
 
-def _parameters(scene: Scene, free: str = "") -> str:
+def _parameters(scene: Scene, told: Told, free: str = "") -> str:
     symbols = {q.name: short_name(q) for q in scene.declaration.parameters}
-    return printed(", ".join(f"{symbols[name]} = {value:.15g}" for name, value in scene.values.items() if name != free))
+    return printed(", ".join(f"{symbols[name]} {told(value)}" for name, value in scene.values.items() if name != free))
 
 
-def _starts(scene: Scene, every: bool) -> str:
-    """Return all starts; or the selected one, with its number among them."""
+def _starts(scene: Scene, every: bool, told: Told) -> str:
+    """Return all starts, in the order of the numbers that mark them; or the selected one, with its number."""
     count, chosen = len(scene.starts), min(scene.selected, len(scene.starts) - 1)
     used = scene.starts if every else scene.starts[chosen : chosen + 1]
-    points = "; ".join(f"({', '.join(f'{x:.15g}' for x in start)})" for start in used)
+    numbers = [[told(x).split(" ") for x in start] for start in used]
+    points = "; ".join(f"({', '.join(text for _, text in point)})" for point in numbers)
+    sign = "≈" if any(mark == "≈" for point in numbers for mark, _ in point) else "="
     names = ", ".join(map(variable_name, scene.declaration.variables))
     which = f", start {chosen + 1} of {count}" if len(used) < count else ""
-    return printed(f"started at ({names}) = {points}{which}")
+    head = f"initial states 1 {'and' if count == 2 else 'to'} {count}:" if len(used) > 1 else "initial state"
+    return printed(f"{head} ({names}) {sign} {points}{which}")
 
 
-def _integration(scene: Scene, slid: bool) -> str:
-    """Return the integrators, the step size and what happens at crossings."""
+def _integration(scene: Scene, slid: bool, told: Told, early: bool) -> str:
+    """Return the integrators, the step size and what happens at crossings; `early` if a run ended before its time."""
     used = scene.used
-    steps = [f"step size τ = {scene.tau:.15g}"] if not all(map(_adaptive, used)) else []
-    steps += [f"tolerance {scene.tolerance:.3g} (taylor)"] if any(map(_adaptive, used)) else []
+    adaptive = [name for name in used if _adaptive(name)]
+    steps = [f"step size τ {told(scene.tau)}"] if len(adaptive) < len(used) else []
+    steps += [f"{f'for {listed(adaptive)} ' * bool(steps)}tolerance {scene.tolerance:.3g}"] if adaptive else []
     met = met_at_surfaces(scene.declaration)
     crossings = at_surface(met, scene.locate, scene.slides and slid, scene.perturbation_order, scene.perturbation_scale)
-    return f"integrated by {listed(used)} with {' and '.join(steps)} to t = {scene.t_end:.15g}; {crossings}"
+    until = f"to t {told(scene.t_end)}{' at the latest' * early}"
+    return f"integrated by {listed(used)} with {' and '.join(steps)} {until}; {crossings}"
 
 
 def _adaptive(method: str) -> bool:

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 import core
 from pwsviz.export.tables import DrawnRun
+from pwsviz.scene.names import met_at_surfaces
 from pwsviz.text.advice import on_page
 from pwsviz.text.numbers import printed
+from pwsviz.text.words import listed
 
 __all__ = ["endings"]
 
@@ -28,11 +30,19 @@ def endings(runs: Sequence[DrawnRun]) -> str:
         times = [float(one.run.t[-1]) for one in early]
         first, last = (f"{time:.6g}" for time in (min(times), max(times)))
         when = f"at t = {first}" if first == last else f"between t = {first} and {last}"
-        return printed(f"{len(early)} of the {len(runs)} runs ended earlier, {when}")
+        which = "all" if len(early) == len(runs) else f"{len(early)} of the"
+        return printed(f"{which} {len(runs)} runs ended earlier, {when}")
     several = len({one.start for one in runs}) > 1
-    return "; ".join(printed(_ending(one, several)) for one in early)
+    alike: dict[str, list[str]] = {}
+    for one in early:
+        start = f" from start {one.start}" if several else ""
+        alike.setdefault(_ending(one), []).append(f"{one.run.method}{start}")
+    return "; ".join(printed(f"{listed(names)} ended {words}") for words, names in alike.items())
 
 
-def _ending(one: DrawnRun, several: bool) -> str:
-    start = f" from start {one.start}" if several else ""
-    return f"{one.run.method}{start} ended at t = {float(one.run.t[-1]):.6g}: {on_page(one.run.reason)}"
+def _ending(one: DrawnRun) -> str:
+    """Return when and why a run ended."""
+    why = f": {on_page(one.run.reason)}"
+    if one.run.status is core.Status.ZENO:
+        why = f", where {met_at_surfaces(one.run.system)} accumulate (Zeno)"
+    return f"at t = {float(one.run.t[-1]):.6g}{why}"

@@ -105,9 +105,11 @@ def _plain(text: str) -> str:
     return re.sub("[^A-Za-z0-9_]+", "-", text)[:40].strip("-").lower()
 
 
-def _header(columns: Mapping[str, object], about: Mapping[str, str] | None) -> dict[str, str]:
+def _header(columns: Mapping[str, NDArray[Any]], about: Mapping[str, str] | None) -> dict[str, str]:
     said = meanings(columns)
-    return dict(about or {}) | ({"columns": said} if said else {})
+    gaps = any(column.dtype.kind == "f" and np.isnan(column).any() for column in columns.values())
+    header = dict(about or {}) | ({"columns": said} if said else {})
+    return header | ({"nan": "a gap in a curve, or a value that is not known"} if gaps else {})
 
 
 def _columns(table: Table) -> dict[str, NDArray[Any]]:

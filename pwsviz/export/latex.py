@@ -12,6 +12,7 @@ from sympy import Expr, Symbol
 import core
 from pwsviz.scene.scene import Scene
 from pwsviz.text.math_names import default_name
+from pwsviz.text.mathml import Names, latex, ordered
 
 __all__ = ["equations_latex", "latex_file"]
 
@@ -25,8 +26,6 @@ _SPECIAL = {
 
 _BREAK = "\\\\\n&\\quad {}"
 """Between two lines of one expression; the empty group makes a sign at its beginning one between two terms."""
-
-Names = Mapping[Symbol, str]
 
 
 def latex_file(scene: Scene, about: Mapping[str, str]) -> bytes:
@@ -62,7 +61,7 @@ def _laws(system: core.PiecewiseSystem, names: Names) -> list[str]:
     sides = {"-": "$g < 0$", "+": "$g > 0$"} if system.two_sided else {}
     blocks, regions = list[str](), system.laws.regions
     if system.two_sided and len(set(system.regions.values())) == 1:
-        sides, regions = {regions[0].name: "on both sides"}, regions[:1]
+        sides, regions = {regions[0].name: "law"}, regions[:1]
     for mode in regions:
         lines = [f"{names[x]}' &= {_broken(rate, names)}" for x, rate in zip(system.laws.x, mode.field, strict=True)]
         side = [mode.name] if len(regions) == len(sides) == 2 else []
@@ -111,24 +110,19 @@ def _reset(system: core.PiecewiseSystem, way: Any, names: Names) -> list[str]:
 
 
 def _broken(expression: Expr, names: Names) -> str:
-    """Return an expression in LaTeX; a long sum in lines."""
-    terms = sympy.Add.make_args(expression)
-    if len(terms) == 1 or len(_latex(expression, names)) <= LONGEST:
-        return _latex(expression, names)
+    """Return an expression in LaTeX, in lines if it is a long sum."""
+    terms = ordered(expression)
+    if len(terms) == 1:
+        return latex(expression, names)
     lines = [""]
-    for term in expression.as_ordered_terms():
-        shown = _latex(term, names)
+    for term in terms:
+        shown = latex(term, names)
         shown = shown if shown.startswith("-") or lines == [""] else f"+ {shown}"
         if lines[-1] and len(lines[-1]) + len(shown) > LONGEST:
             lines.append(shown)
         else:
             lines[-1] = f"{lines[-1]} {shown}".lstrip()
     return _BREAK.join(lines)
-
-
-def _latex(expression: Expr, names: Names) -> str:
-    used = {symbol: names.get(symbol, default_name(symbol.name)) for symbol in expression.free_symbols}
-    return str(sympy.latex(expression, symbol_names=used))
 
 
 def _number(value: float) -> sympy.Expr:

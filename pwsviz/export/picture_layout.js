@@ -1,5 +1,6 @@
 // A figure laid out anew for a picture of a given width: text keeps its size, and everything is inside.
 
+import { typeset } from "./picture_letters.js"
 import { copied, with_names_placed } from "./picture_names.js"
 
 export const FONT = "DejaVu Sans"
@@ -40,8 +41,9 @@ const width_of = (words, size) => {
   return pen.measureText(words).width
 }
 
-// The spaces of a text but those of a relation: t = 20 stays on one line.
-const BETWEEN_WORDS = /(?<![=<>≤≥≈]) (?![=<>≤≥≈])/
+// The spaces of a text but those of a relation, before a sign of operation, after a comma in brackets, or of a short sum in
+// them, and after an article: t = 20, (1, 2) and (x² + y²) stay on one line, and a longer sum breaks after a sign.
+const BETWEEN_WORDS = /(?<![=<>≤≥≈])(?<!(?<![^ (“])[Aa])(?<!\([^()]{0,60},)(?<!\([^() ]+ [+−]?) (?![=<>≤≥≈]|[+−×] )/
 
 // The lines of a text, broken between words (or at other separators) where it would be wider than a number of pixels.
 export const wrapped = (words, width, size, between = BETWEEN_WORDS) => {
@@ -92,6 +94,10 @@ export const lettered_levels = ({ frame, model }, width) => {
   })
   return meanings.length > 0 ? `Dotted: ${meanings.join("; ")}.` : null
 }
+
+// Whether not all marks are drawn: the legend says so on the page, where each panel has one.
+export const thinned = ({ model }) => model.below.filter(one => kind_of(one) == "legend").flatMap(one => one.items)
+  .some(item => item.visible && item.get_labels_list_from_label_prop().some(label => label.endsWith(" (some)")))
 
 // Names of levels beside a plot: in lines, and apart from one another.
 const named_levels = (axis, { scale }, width) => {
@@ -146,7 +152,7 @@ const fitted_legend = (legend, seen, width) => {
 }
 
 // With `seen`, the layout before this one, in pixels: what is left and right of the frame, its height, and its scale.
-const copy_of = async (view, width, printed, { height, inset, up }, seen) => {
+const copy_of = async (view, width, printed, { height, inset }, seen) => {
   const { model } = view, looks = printed ? PRINTED : {}
   const part = (one, side) => {
     const kind = kind_of(one)
@@ -158,7 +164,7 @@ const copy_of = async (view, width, printed, { height, inset, up }, seen) => {
     return copied(one, { ...changes, axis: null, ticker: one.ticker ?? one.axis?.ticker })
   }
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
-  const ranges = [range(model.x_range), range(up)], [left, right] = [seen.left + inset, seen.right + inset]
+  const ranges = [range(model.x_range), range(model.y_range)], [left, right] = [seen.left + inset, seen.right + inset]
   const frame = { width: Math.round(width - left - right), height: Math.round(height) }
   const letters = { text_font: { value: FONT }, text_font_size: { value: `${SMALL}px` } }
   return copied(model, {
@@ -205,6 +211,15 @@ const drop_unseen = svg => {
   svg.querySelectorAll('text[fill="none"][stroke-opacity="0"]').forEach(words => words.remove())
 }
 
+// Shades deeper in print, where they must be told apart without their colours.
+const DEEPER = 1.5, SHADE = 0.25  // times their opacity, and what is less opaque is a shade
+const deepen_shades = svg => {
+  for (const area of svg.querySelectorAll("[fill-opacity]")) {
+    const opacity = parseFloat(area.getAttribute("fill-opacity"))
+    if (0 < opacity && opacity < SHADE) area.setAttribute("fill-opacity", DEEPER * opacity)
+  }
+}
+
 // Names within the frame, whose places were found on the page, where the frame is larger beside them.
 const keep_inside = (svg, frame) => {
   const page = svg.getBoundingClientRect(), left = page.left + frame.left + RIM, top = page.top + frame.top + RIM
@@ -236,30 +251,23 @@ const SHAPES = 1  // the same of several frames together
 
 const LOWEST = 60  // pixels of a frame, however many there are
 
-// A frame of a width, at most so tall, whose scales are equal: what is seen above and below of what the ranges follow is left
-// out first, then the frame is narrower and in the middle.
-const equal_scales = ({ frame, model }, across, most) => {
-  const { start, end } = model.y_range, wanted = across * frame.bbox.height / frame.bbox.width
-  if (wanted <= most) return { height: wanted, inset: 0, up: { start, end } }
-  const followed = [model.y_range.renderers ?? []].flat().flatMap(one => Array.from(one.data_source?.data.y ?? []))
-  const [low, high] = followed.length > 0 ? [Math.min(...followed), Math.max(...followed)] : [start, end]
-  const [bottom, top] = [Math.max(start, Math.min(low, end)), Math.min(end, Math.max(high, start))]
-  const span = Math.max(top - bottom, (end - start) * most / wanted)
-  const from = Math.min(Math.max(start, (bottom + top - span) / 2), end - span)
-  const narrower = most / span * (end - start) / wanted
-  return { height: most, inset: across * Math.max(0, 1 - narrower) / 2, up: { start: from, end: from + span } }
+// A frame of at most a width and a height that shows what the screen shows, no more and no less, at equal scales; where it is
+// narrower, it stands in the middle.
+const equal_scales = ({ frame: { bbox } }, across, most) => {
+  const height = Math.min(most, across * bbox.height / bbox.width)
+  return { height, inset: (across - height * bbox.width / bbox.height) / 2 }
 }
 
-// Figures for a picture of a given width, together at most so tall where that is possible: each as an SVG element with its size
+// Figures for a picture of a given width, together at most so tall where their frames have at least a height then: each as an SVG element with its size
 // and the height of its frame in pixels. Frames have one left edge and one right edge.
-export const drawn = async (views, width, printed, tallest) => {
+export const drawn = async (views, width, printed, tallest, least) => {
   const shape = Math.min(SHAPE, SHAPES / views.length)
   let seen = views.map(({ frame }) => ({ left: 0, right: RIM, around: 0, tall: shape * width, scale: frame.y_scale }))
   const shape_of = (view, k) => {
-    const { start, end } = view.model.y_range, around = seen.reduce((sum, one) => sum + one.around, 0)
-    const most = Math.max(LOWEST, (tallest - around) / views.length), across = width - seen[k].left - seen[k].right
+    const around = seen.reduce((sum, one) => sum + one.around, 0)
+    const most = Math.max(LOWEST, Math.max(least, tallest - around) / views.length), across = width - seen[k].left - seen[k].right
     if (view.model.match_aspect) return equal_scales(view, across, most)
-    return { height: Math.min(shape * width, most), inset: 0, up: { start, end } }
+    return { height: Math.min(shape * width, most), inset: 0 }
   }
   const copy = (view, k) => copy_of(view, width, printed, shape_of(view, k), seen[k])
   for (let pass = 1; pass < PASSES; pass++) {
@@ -283,9 +291,11 @@ export const drawn = async (views, width, printed, tallest) => {
       const { frame, bbox: { width, height } } = other, svg = other.export("svg", false).canvas
       host.append(svg)
       drop_unseen(svg)
+      if (printed) deepen_shades(svg)
+      for (const words of svg.querySelectorAll("text")) typeset(words, parseFloat(words.getAttribute("font-size")) || SMALL)
       keep_pixels(svg, other)
       keep_inside(svg, frame.bbox)
-      return { svg, width, height, tall: frame.bbox.height }
+      return { svg, width, height }
     }))
   }
   return pictures

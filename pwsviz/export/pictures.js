@@ -2,27 +2,31 @@
 // A copy of the figure is laid out anew at the width and the text size asked for (by `picture_layout.js`); it is drawn as
 // vectors.
 
-import { drawn, FONT, INK, lettered_levels, PAPER, SMALL, TEXT, wrapped } from "./picture_layout.js"
+import { typeset } from "./picture_letters.js"
+import { drawn, FONT, INK, lettered_levels, PAPER, SMALL, TEXT, thinned, wrapped } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
 const GAP = 10  // pixels between figure and caption, and around the caption
 const LEADING = 1.35  // of the lines of the caption, in heights of its text
 const INCH = 25.4  // mm
-const CAPTIONS = ["full", "short", "no caption"]
 const SLACK = 4  // pixels by which a layout may be higher than the one before it, which tells what is around the frame
-const LEAST = 30, LEAST_SHAPE = 0.4  // mm of a frame's height that a caption leaves, or this part of the width if that is less
+const LEAST = 0.4, PART = 0.5  // of the picture's width, or of the greatest height if that is less: what frames take at least
 
-let bytes = null  // of the font, fetched once
-const load_font = async () => {
-  if (bytes == null) {
-    const answer = await fetch(new URL("vendor/DejaVuSans-subset.ttf", HERE))
-    if (!answer.ok) throw new Error("its font was not found")
-    const got = await answer.arrayBuffer()
-    document.fonts.add(await new FontFace(FONT, got.slice(0)).load())
-    bytes = got
-  }
-  return btoa(Array.from(new Uint8Array(bytes), byte => String.fromCharCode(byte)).join(""))
+const EDGE = 0.6  // pixels of white on both sides of a dashed curve, at most
+const BARED = 0.5  // part of what a dashed curve leaves free of the solid one that is white at most: the rest keeps its colour
+
+const THINNED = "Overlapping marks are omitted."
+const FACES = { normal: "DejaVuSans-subset.ttf", italic: "DejaVuSans-Oblique-subset.ttf" }
+const SLANTED = `${FONT} Oblique`
+let loaded = null  // each face of the font in base 64, fetched once
+const load_face = async ([style, file]) => {
+  const answer = await fetch(new URL(`vendor/${file}`, HERE))
+  if (!answer.ok) throw new Error("its font was not found")
+  const bytes = await answer.arrayBuffer()
+  document.fonts.add(await new FontFace(FONT, bytes.slice(0), { style }).load())
+  return [style, btoa(Array.from(new Uint8Array(bytes), byte => String.fromCharCode(byte)).join(""))]
 }
+const load_font = async () => loaded ??= Object.fromEntries(await Promise.all(Object.entries(FACES).map(load_face)))
 
 const node = (name, attributes, words) => {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name)
@@ -34,46 +38,62 @@ const node = (name, attributes, words) => {
 const STEP = LEADING * SMALL
 const below = lines => lines.length > 0 ? 2 * GAP + STEP * lines.length : GAP / 2  // what a caption takes below figures
 
-// Figures of a width in pixels, with the lines of the caption below them, which is the one asked for, or a shorter one where
-// that leaves them too little of the greatest height.
+// Figures of a width in pixels, with the lines of the caption below them. The caption that was asked for is always there: where
+// it leaves the figures too little of the greatest height, the picture is higher.
 const fitted = async (views, wish, width) => {
   const keys = views.map(view => lettered_levels(view, width))
-  const scale = width / wish.millimetres, least = scale * Math.min(LEAST, LEAST_SHAPE * wish.millimetres)
-  for (const caption of CAPTIONS.slice(CAPTIONS.indexOf(wish.caption))) {
-    const words = [wish.captions[caption], ...keys].filter(Boolean).join(" ")
-    const lines = wrapped(words, width - 2 * GAP, SMALL)
-    const pictures = await drawn(views, width, wish.printed, scale * wish.tallest - below(lines) - SLACK)
-    const ample = pictures.every(one => one.tall >= least)
-    if (ample || caption == CAPTIONS.at(-1)) return { pictures, lines, caption }
+  const caption = wish.captions[wish.caption]
+  const words = [caption, caption && views.some(thinned) ? THINNED : "", ...keys].filter(Boolean).join(" ")
+  const lines = wrapped(words, width - 2 * GAP, SMALL), tallest = width / wish.millimetres * wish.tallest
+  const least = Math.min(LEAST * width, PART * tallest)
+  return { lines, pictures: await drawn(views, width, wish.printed, tallest - below(lines) - SLACK, least) }
+}
+
+// Of the curves of a portrait, which alone have round joins, the dashed ones lie on the solid one: without colours only white
+// edges tell them from it. The edges lie below all dashed curves, none of which they interrupt, and within the solid one,
+// which many turns would hide otherwise.
+const CURVES = "path[stroke-linejoin=round]", DASHED = "[stroke-dasharray]"
+const give_edges = picture => {
+  const solid = [...picture.querySelectorAll(`${CURVES}:not(${DASHED})`)].at(-1)
+  const width = curve => Number(curve.getAttribute("stroke-width"))
+  for (const curve of solid == null ? [] : picture.querySelectorAll(CURVES + DASHED)) {
+    const edges = curve.cloneNode(), free = Math.max(0, width(solid) - width(curve)) / 2
+    edges.setAttribute("stroke", PAPER)
+    edges.setAttribute("stroke-width", width(curve) + 2 * Math.min(EDGE, BARED * free))
+    solid.after(edges)
   }
 }
 
 // One SVG element of the figures, one below the other, with the caption below.
 const composed = async (views, wish) => {
-  const font = await load_font()
+  const faces = Object.entries(await load_font()).map(([style, font]) =>
+    `@font-face { font-family: "${FONT}"; font-style: ${style}; src: url(data:font/ttf;base64,${font}) }`)
   const width = wish.millimetres / INCH * 72 / wish.points * TEXT
-  const { pictures, lines, caption } = await fitted(views, wish, width)
+  const { pictures, lines } = await fitted(views, wish, width)
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
   const height = picture.height + below(lines)
   const svg = node("svg", {
     xmlns: "http://www.w3.org/2000/svg", width: `${wish.millimetres}mm`,
     height: `${wish.millimetres * height / picture.width}mm`, viewBox: `0 0 ${picture.width} ${height}`,
   })
-  svg.append(node("title", {}, wish.title), node("desc", {}, wish.captions.full), node("style", {},
-    `@font-face { font-family: "${FONT}"; src: url(data:font/ttf;base64,${font}) }`))
+  svg.append(node("title", {}, wish.title), node("desc", {}, wish.captions.full), node("style", {}, faces.join(" ")))
   const [ground, ink] = wish.printed ? [PAPER, INK] : colours_of(views[0].el)
   svg.append(node("rect", { x: 0, y: 0, width: picture.width, height, fill: ground }))
   let top = 0
   for (const one of pictures) {
     const part = node("g", { transform: `translate(0, ${top})` })
     part.append(...one.svg.childNodes)
+    if (wish.printed) give_edges(part)
     svg.append(part)
     top += one.height
   }
-  lines.forEach((line, k) => svg.append(node("text", {
-    x: GAP, y: picture.height + GAP + STEP * (k + 0.8), fill: ink, "font-family": FONT, "font-size": `${SMALL}px`,
-  }, line)))
-  return { svg, width: picture.width, height, caption }
+  for (const [k, line] of lines.entries()) {
+    const y = picture.height + GAP + STEP * (k + 0.8)
+    const text = node("text", { x: GAP, y, fill: ink, "font-family": FONT, "font-size": `${SMALL}px` }, line)
+    typeset(text, SMALL)
+    svg.append(text)
+  }
+  return { svg, width: picture.width, height, described: below(lines) / height }
 }
 
 // Colours of the page behind a figure, and of its text.
@@ -145,8 +165,14 @@ const WRITERS = {
     const size = [wish.millimetres, wish.millimetres * height / width]
     const paper = new jspdf.jsPDF({ unit: "mm", format: size, orientation: size[0] > size[1] ? "l" : "p", putOnlyUsedFonts: true, compress: true })
     paper.setProperties({ title: wish.title, subject: wish.captions.full, creator: "pwsviz" })
-    paper.addFileToVFS("font.ttf", await load_font())
-    for (const style of ["normal", "italic", "bold"]) paper.addFont("font.ttf", FONT, style)
+    const faces = await load_font()
+    for (const [style, font] of Object.entries(faces)) paper.addFileToVFS(`${style}.ttf`, font)
+    for (const style of ["normal", "italic", "bold"]) paper.addFont("normal.ttf", FONT, style)
+    for (const style of ["normal", "bold"]) paper.addFont("italic.ttf", SLANTED, style)  // named after its family in the file
+    for (const words of svg.querySelectorAll("tspan[font-style]")) {
+      words.removeAttribute("font-style")
+      words.setAttribute("font-family", SLANTED)
+    }
     paper.setFont(FONT)
     await paper.svg(svg, { x: 0, y: 0, width: size[0], height: size[1] })
     return new Blob([Uint8Array.from(conforming(paper.output()), byte => byte.charCodeAt(0))], { type: "application/pdf" })
@@ -169,9 +195,8 @@ export const save = async (ids, chosen) => {
   link.download = wish.name
   link.click()
   setTimeout(() => URL.revokeObjectURL(link.href), 60000)
-  const tall = wish.millimetres * made.height / made.width
-  if (tall > tallest) return `${wish.name} is ${Math.ceil(tall)} mm high: its figures do not fit into ${tallest} mm.`
-  if (made.caption == wish.caption) return ""
-  return `${wish.name} has ${made.caption == "short" ? "the short caption" : "no caption"}, as a longer one leaves a picture ` +
-    `of ${tallest} mm too little room.`
+  const tall = wish.millimetres * made.height / made.width, over = Math.ceil(tall - tallest)
+  if (over <= 0) return ""
+  const cause = (1 - made.described) * tall <= tallest ? "caption needs" : "figures need"
+  return `${wish.name} is ${tallest + over} mm high: its ${cause} ${over} mm more than the height chosen.`
 }

@@ -36,10 +36,12 @@ class PictureFiles:
         "files": (
             "pictures.js",
             "picture_layout.js",
+            "picture_letters.js",
             "picture_names.js",
             "vendor/jspdf.umd.min.js",
             "vendor/svg2pdf.umd.min.js",
             "vendor/DejaVuSans-subset.ttf",
+            "vendor/DejaVuSans-Oblique-subset.ttf",
         )
     }
 

@@ -10,6 +10,8 @@ from textwrap import indent
 from typing import Any
 
 import core
+from core.studies import OutcomeMap
+from pwsviz.export.about import release
 from pwsviz.geometry.section_plane import angles
 from pwsviz.results.requests import (
     CostInputs,
@@ -36,8 +38,6 @@ MAX_LAW = 80
 """Characters of a part of the laws on one line, which stands among the arguments of a call, or deeper."""
 
 _USUAL: Mapping[str, object] = {
-    "tau": 1e-2,
-    "method": "dmm2",
     "tolerance": 1e-12,
     "transition": "mannshardt",
     "sliding": "stop",
@@ -50,11 +50,11 @@ _USUAL: Mapping[str, object] = {
     "of": None,
     "direction": 0,
 }
-"""Defaults of `core`, which the program does not repeat."""
+"""Defaults of `core` that the program does not repeat."""
 
 _FIGURES = '''\
 def show(run):
-    """Print a run in figures."""
+    """Print a summary of a run."""
     figures = f"{run.steps:,} steps, {run.tally}, {run.seconds * 1e3:.3g} ms"
     print(f"{run.method} from {run.x[0]}: {figures}WORST")
     if run.status is not core.Status.COMPLETED:
@@ -65,7 +65,8 @@ def show(run):
 def snippet(scene: Scene, study: str = "") -> str:
     """Return the program: the system, its run from each start with each integrator, and a study.
 
-    It passes the arguments that the page passes, except the defaults of `core`, and prints the figures that the page
+    It passes the arguments that the page passes: parameters, starts, steps and integrators always, so that it means the
+    same when a default changes, the rest where it is not the default of `core`. It prints the figures that the page
     shows below the portrait.
 
     Parameters
@@ -75,7 +76,8 @@ def snippet(scene: Scene, study: str = "") -> str:
     study : str
         Lines of the open view, such as `order_program` returns; empty if it makes no study.
     """
-    paragraphs = ["import numpy as np\n\nimport core", _system(scene), _figures(scene), _runs(scene)]
+    imports = f"# {scene.declaration.name!r}, by {release()}.\nimport numpy as np\n\nimport core"
+    paragraphs = [imports, _system(scene), _figures(scene), _runs(scene)]
     if study:
         paragraphs.append(study)
     return "\n\n".join(paragraphs).replace("\n\n\n\n", "\n\n\n") + "\n"
@@ -87,10 +89,9 @@ def _system(scene: Scene) -> str:
         text = _call("core.PiecewiseSystem", keywords=_declaration(declared))
     else:
         text = f"core.CATALOGUE[{scene.system!r}]"
-    usual = {q.name: q.default for q in declared.parameters}
-    changed = {name: repr(value) for name, value in scene.values.items() if repr(value) != repr(usual[name])}
+    values = {name: repr(value) for name, value in scene.values.items()}
     text = f"system = {text}"
-    return f"{text}\n{_call('system = system.with_parameters', keywords=changed)}" if changed else text
+    return f"{text}\n{_call('system = system.with_parameters', keywords=values)}" if values else text
 
 
 def _declaration(system: core.PiecewiseSystem) -> dict[str, str]:
@@ -137,7 +138,7 @@ def _runs(scene: Scene) -> str:
     shared = next(iter(schemes.values()))
     alike = all(settings == shared for settings in schemes.values())
     several = len(scene.starts) > 1
-    keywords = _x0(scene, "x0" if several else None) | _unusual({"tau": scene.tau}, any(map(_adaptive, schemes)))
+    keywords = {"x0": "x0" if several else repr(scene.x0), "tau": repr(scene.tau)}
     keywords |= {"method": "method"} | (_texts(shared) if alike else {}) | {"max_steps": f"{MAX_STEPS:_}"}
     rest = () if alike else ("**settings",)
     run = f"show({_call('core.integrate', ('system', _span(scene)), keywords, rest)})"
@@ -156,11 +157,11 @@ def order_program(scene: Scene, inputs: tuple[StudyInputs, ...]) -> str:
     """Return the lines that repeat the order studies of one integrator or of several."""
     start, scheme = _x0(scene), _texts(_scheme(inputs[0].scheme))
     several = len(inputs) > 1
-    method = {"method": "method"} if several else _unusual({"method": inputs[0].scheme.method})
+    method = {"method": "method" if several else repr(inputs[0].scheme.method)}
     looked = _call(
         "run = core.integrate",
         ("system", f"(0.0, {STUDY_HORIZON!r})"),
-        start | _unusual({"tau": STUDY_PROBE, "sliding": inputs[0].scheme.sliding}) | method
+        start | {"tau": repr(STUDY_PROBE)} | _unusual({"sliding": inputs[0].scheme.sliding}) | method
         | {"record": "'crossings'", "max_crossings": repr(STUDY_CROSSINGS[-1] + 1)},
     )  # fmt: skip
     study = _call(
@@ -198,8 +199,8 @@ _FOUND = {
     "map": """\
 for method, tau, reason in zip(study.methods, study.largest_tau.tau, study.largest_tau.reason):
     print(f"{method}: the largest step size that works is {tau:.3g}; beyond: {reason or 'none tried'}")
-for method, outcome in zip(study.methods, study.map.outcome):
-    print(f"{method}: {np.mean(outcome == core.Status.COMPLETED):.0%} of the runs of the map are as they should be")""",
+for method, works in zip(study.methods, study.map.works):
+    print(f"{method}: {np.mean(works):.0%} of the runs of the map have the correct sequence of crossings")""",
     "drift": """\
 for method, error in zip(study.methods, study.drift.error):
     print(f"{method}: |change of psi| <= {np.fmax.reduce(error):.1e} in {study.drift.steps:,} steps")""",
@@ -212,11 +213,14 @@ for method, missed, error in zip(study.methods, found.missed, found.error):
 }
 
 
-def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
-    """Return the lines that repeat a stability study."""
+def stability_program(scene: Scene, inputs: StabilityInputs, drawn: OutcomeMap | None = None) -> str:
+    """Return the lines that repeat a stability study, over the step sizes and starts of the map that is drawn."""
     parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
     keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"coordinate": inputs.coordinate})
     keywords |= {"parts": repr(parts)} | ({} if inputs.tau is None else {"tau": repr(inputs.tau)})
+    if inputs.part == "map" and drawn is not None:
+        taus, values = ((*column[[0, -1]].tolist(), len(column)) for column in (drawn.taus, drawn.values))
+        keywords |= {"taus": f"np.geomspace{taus}", "values": f"np.linspace{values}"}
     keywords |= _at_surface(inputs)
     call = _call("study = core.stability_study", ("system", f"(0.0, {inputs.t_end!r})"), keywords)
     return f"# Stability.\n{call}\n{_FOUND[inputs.part]}"
@@ -230,17 +234,15 @@ def sweep_program(inputs: SweepInputs) -> str:
     if not inputs.parameter:
         return ""
     values = f"np.linspace({inputs.low!r}, {inputs.high!r}, {inputs.values})"
-    declared = inputs.problem.declaration
-    start = {} if repr(inputs.problem.x0) == repr(declared.x0) else {"x0": repr(inputs.problem.x0)}
-    given = sweep_arguments(inputs)
+    given = {"x0": inputs.problem.x0, **sweep_arguments(inputs)}
     texts = _texts({name: one for name, one in given.items() if one is not None and one != _USUAL.get(name)})
     texts |= {"tau": repr(inputs.tau), "max_steps": f"{MAX_STEPS:_}"}
     call = _call(
         "found = core.sweep",
         ("system", f"(0.0, {inputs.t_end!r})", repr(inputs.parameter), values, repr(inputs.coordinate)),
-        start | texts,
+        texts,
     )
-    turns = " % (2*np.pi)" if inputs.column in angles(declared) else ""
+    turns = " % (2*np.pi)" if inputs.column in angles(inputs.problem.declaration) else ""
     return f"""\
 # The bifurcation diagram: found.points{turns} over found.value.
 {call}
@@ -268,8 +270,7 @@ def section_program(scene: Scene, inputs: SectionInputs, found: SectionPoints | 
         '"the motion has come to rest" if k in at_rest else ',
     ) if rest else ("", "", "")  # fmt: skip
     given = section_arguments(inputs)
-    usual = {**_USUAL, "of": None, "direction": 0, "discard": 0, "tau": None}
-    keywords = {name: repr(value) for name, value in given.items() if name not in usual or value != usual[name]}
+    keywords = {name: repr(value) for name, value in given.items() if name not in _USUAL or value != _USUAL[name]}
     keywords["max_steps"] = f"{given['max_steps']:_}"
     start = {"x0": "starts"} if len(scene.starts) > 1 else _x0(scene)
     call = _call("found = core.section", ("system", f"(0.0, {HORIZON!r})"), start | keywords)
@@ -298,24 +299,18 @@ def _at_surface(inputs: CostInputs | StabilityInputs) -> dict[str, str]:
     return _unusual({"transition": transition_of(inputs.locate), "sliding": sliding_of(inputs.slide)})
 
 
-def _adaptive(method: str) -> bool:
-    return core.METHODS[method].adaptive
-
-
-def _x0(scene: Scene, variable: str | None = None) -> dict[str, str]:
-    """Return the argument x0: a loop variable, or the selected start unless it is the default."""
-    if variable is None and repr(scene.x0) == repr(scene.declaration.x0):
-        return {}
-    return {"x0": variable or repr(scene.x0)}
+def _x0(scene: Scene) -> dict[str, str]:
+    """Return the argument x0: the selected start."""
+    return {"x0": repr(scene.x0)}
 
 
 def _span(scene: Scene) -> str:
     return f"(0.0, {scene.t_end!r})"
 
 
-def _unusual(given: Mapping[str, object], anyway: bool = False) -> dict[str, str]:
-    """Return the arguments that differ from the defaults of `core`, or all of them."""
-    return _texts({name: value for name, value in given.items() if anyway or value != _USUAL[name]})
+def _unusual(given: Mapping[str, object]) -> dict[str, str]:
+    """Return the arguments that differ from the defaults of `core`."""
+    return _texts({name: value for name, value in given.items() if value != _USUAL[name]})
 
 
 def _texts(given: Mapping[str, object]) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pwsviz.export.about import about
+from pwsviz.export.about import about, brief, named
 from pwsviz.scene.equations import indexed
 from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.scene import Scene
@@ -11,24 +11,21 @@ from pwsviz.text.words import at_surface
 
 __all__ = ["short_caption"]
 
-DIGITS = 5
-"""Significant digits of a parameter."""
-
 LONGEST = 70
 """Characters of the starts, about a line and a half of a column; of longer ones the number is told."""
 
 
 def short_caption(
-    scene: Scene, title: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True,
+    scene: Scene, heading: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True,
     endings: str = "",
 ) -> str:  # fmt: skip
     """Return a caption of a few lines, for a picture whose text tells the equations; the arguments as of `caption`.
 
     Of how a study was made it has the first clause, the integrator, and what is unusual at crossings.
     """
-    parts = about(scene, how=how, every_start=every_start, slid=slid)
+    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, told=brief)
     known = [q for q in scene.declaration.parameters if q.name != free]
-    values = ", ".join(_value(short_name(q), scene.values[q.name]) for q in known)
+    values = ", ".join(f"{short_name(q)} {brief(scene.values[q.name])}" for q in known)
     first, *further = parts["integration"].split("; ")
     met = met_at_surfaces(scene.declaration)
     usual = at_surface(met, locate=True, slide=False)
@@ -38,13 +35,9 @@ def short_caption(
     ]  # fmt: skip
     told = "; ".join([first, *needed, *([endings] if endings else [])])
     sentences = [*filter(None, [_starts(scene, parts["starts"], every_start)]), told]
-    what = f"{title}, {parts['system']}{f': {values}' if values else ''}"
-    return printed(indexed(". ".join([what, *(f"{one[0].upper()}{one[1:]}" for one in sentences)]).rstrip(".") + "."))
-
-
-def _value(symbol: str, value: float) -> str:
-    short = f"{value:.{DIGITS}g}"
-    return f"{symbol} {'=' if float(short) == value else '≈'} {short}"
+    said = [*filter(None, [values]), *(f"{one[0].upper()}{one[1:]}" for one in sentences)]
+    begin = f"{named(scene, heading)}{':' if values else '.'}"
+    return f"{begin} {printed(indexed('. '.join(said).rstrip('.')))}."
 
 
 def _starts(scene: Scene, told: str, every: bool) -> str:
@@ -54,4 +47,4 @@ def _starts(scene: Scene, told: str, every: bool) -> str:
         return told
     if count == 1:
         return ""
-    return f"from {count} starts" if every else f"from start {min(scene.selected, count - 1) + 1} of {count}"
+    return f"from {count} numbered starts" if every else f"from start {min(scene.selected, count - 1) + 1} of {count}"

@@ -10,8 +10,8 @@ from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.glyphs import Line, Scatter
 
-from pwsviz.figures.conserved_text import CEILING, MOST_BANDS, axis_name, conserved_text, largest
-from pwsviz.figures.crowding import Marks, attach_shades, shade_keys
+from pwsviz.figures.conserved_text import CEILING, CHANGE_OF_PSI, MOST_BANDS, axis_name, conserved_text, largest
+from pwsviz.figures.crowding import SAME_INSTANT, Marks, attach_shades, shade_keys
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
@@ -108,7 +108,7 @@ class ConservedView:
         plot = self.figure
         columns = ("t", "foot", "x", "y", "label", "kind", "marker", "colour", "size", "number", "method")
         self.instants = unseen(columns)
-        self.ticks = Marks(plot, self.instants, "t", "foot", width=1.8)
+        self.ticks = Marks(plot, self.instants, "t", "foot", width=1.8, same=SAME_INSTANT)
         reach = plot.add_glyph(self.instants, invisible(size=18, x="t", y="foot"))
         self.hover = crossing_tips(reach, "t")
         plot.add_tools(self.hover)
@@ -145,7 +145,9 @@ class ConservedView:
         top = max(float(np.fmax.reduce(y, initial=1e-14)) for y in (*heights, self.round_off.data["y"]))
         end = max(curve.t_end for curve in errors)
         assign(self.corners, x=[0.0, end or 1.0], y=[FLOOR / 2, 2 * top])
-        describe(self.figure, f"{SUMMARY}. {conserved_text(errors)}")
+        only_g = CHANGE_OF_PSI not in axis_name(errors)
+        what = SUMMARY.replace("the conserved quantity", "g while sliding") if only_g else SUMMARY
+        describe(self.figure, f"{what}. {conserved_text(errors)}")
 
     def _show_exits(self, errors: Sequence[ErrorCurve], heights: Sequence[Floats]) -> None:
         """Mark where curves leave the plot at its upper end, and say how large their |Δψ| becomes."""
@@ -189,11 +191,11 @@ class ConservedView:
         )
 
     def _show_round_off(self, first: ErrorCurve) -> None:
-        """Mark the round-off of ψ at the end, unless it is too close to machine epsilon; draw it where it grows."""
+        """Mark the round-off of ψ at the end, unless it is near another level or below all; draw it where it grows."""
         level = first.round_off
         last, grows = float(level[-1]), bool(level[-1] > TELLABLE * level[0] > 0.0)
-        told = max(last / MACHINE_EPSILON, MACHINE_EPSILON / max(last, NOWHERE)) >= TELLABLE
-        self.levels.move(MACHINE_EPSILON, FLOOR, max(last, FLOOR) if told else NOWHERE)
+        told = last > FLOOR and max(last / MACHINE_EPSILON, MACHINE_EPSILON / last) >= TELLABLE
+        self.levels.move(MACHINE_EPSILON, FLOOR, last if told else NOWHERE)
         self.levels.spans[-1].visible = not grows
         drawn = slice(None) if grows else slice(0)
         assign(self.round_off, t=first.t[drawn], y=np.clip(level, FLOOR, CEILING)[drawn])

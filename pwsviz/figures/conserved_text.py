@@ -27,6 +27,9 @@ it rises by a pixel or two, on an axis of so many decades."""
 DRIFT = 2.0
 """The same ratio beyond which a rise is no wave any more, but a drift: one in proportion to time has 3."""
 
+STEADY = 0.2
+"""`ErrorCurve.shift` up to which a curve shows no drift: a drift that its oscillation hides moves its mean by more."""
+
 LOST = 0.1
 """|Δψ|, relative to the size of ψ’s terms, from which on no bound is told: less than a digit of ψ is right."""
 
@@ -53,17 +56,17 @@ def meaning(curves: Sequence[ErrorCurve]) -> str:
     if CHANGE_OF_PSI in name:
         words.append(
             "|Δψ| is the change of ψ since the start, summed over the pieces of the run between crossings, on each of "
-            "which ψ is constant for the exact solution; the change of ψ from one law to the next is left out"
+            "which ψ is constant for the exact solution; changes that the system makes at crossings are excluded"
         )
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         words.append(
-            f"The line “round-off” is {ROUND_OFF:g}ε times the largest size of ψ’s terms so far, |ψ| + Σ |xₖ ∂ψ/∂xₖ|; "
-            "ε = 2⁻⁵² is the machine epsilon"
+            f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the largest value so far of |ψ| + Σ |xₖ ∂ψ/∂xₖ|, the "
+            "size of ψ’s terms, summed over all variables xₖ; the machine epsilon is 2⁻⁵²"
         )
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
-    return ". ".join(words) + "."
+    return f"{'. '.join(words)}.{_about_marks(curves)}"
 
 
 def conserved_text(curves: Sequence[ErrorCurve]) -> str:
@@ -81,8 +84,8 @@ def _about_marks(curves: Sequence[ErrorCurve]) -> str:
     first, many = curves[0], len(curves[0].crossings)
     if many > MOST_BANDS:
         whose = f" of {first.method}" * (len(curves) > 1)
-        return f" The {many:,} crossings{whose} are too many to be marked, and the sides to be shaded."
-    return f" Shading and crossing marks refer to {first.method}." * (len(curves) > 1)
+        return f" The {many:,} crossings{whose} are too dense to mark; the sides are not shaded."
+    return f" Sides and crossings shown are those of {first.method}." * (len(curves) > 1)
 
 
 def _change(curve: ErrorCurve) -> str:
@@ -112,8 +115,8 @@ def _change(curve: ErrorCurve) -> str:
     if 0.0 < LOST * size <= worst:
         return f"{method} does not conserve ψ: {value}{share}"
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
-    if late <= SEEN_TO_RISE * early:
-        return f"{method} shows no drift: {value}{share}"
+    if late <= SEEN_TO_RISE * early and curve.shift <= STEADY:
+        return f"{method} shows no drift {until}: {value}{share}"
     return f"{method}{' drifts' * (late > DRIFT * early)}: {value} {until}{share}"
 
 

@@ -62,11 +62,11 @@ _CONSTANTS = (
         bounds_tau=True,
     ),
     _Constant(
-        r"\alpha^{2} / M", "window", "monotonicity (B.2)",
+        r"\alpha_{S}^{2} / M", "window", "monotonicity (B.2)",
         "for τ below this the solution does not meet the surface again within a step", bounds_tau=True,
     ),
     _Constant(
-        r"\hat{\alpha}^{2} / \hat{M}", "window_hat", "discrete monotonicity (B.6)",
+        r"\hat{\alpha}_{S}^{2} / \hat{M}", "window_hat", "discrete monotonicity (B.6)",
         "for τ below this the scheme does not meet the surface again within a step", bounds_tau=True,
     ),
 )  # fmt: skip
@@ -95,19 +95,24 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
     if not len(across):
         return f"<p>{escape(diagnosis.summary)} The constants are defined at crossings.</p>"
     if not across.any() and not diagnosis.warnings:
-        return f"<p>Of {run.tally} none is a transversal crossing: the theory’s constants and bounds do not apply.</p>"
-    zeno = run.status is core.Status.ZENO
-    rows = [_constant_row(constant, diagnosis, zeno) for constant in _CONSTANTS]
+        met = f"The run has no transversal crossing, but {run.tally}"
+        return f"<p>{met}: the theory’s constants and bounds do not apply.</p>"
+    judged = run.status is not core.Status.ZENO and not core.METHODS[method].adaptive
+    rows = [_constant_row(constant, diagnosis, judged) for constant in _CONSTANTS]
     whose = f"{run.method} from ({', '.join(f'{v:g}' for v in run.x[0])})"
-    caption = f"The worst over {run.tally} of {whose}, at τ = {diagnosis.tau:.3g}."
+    caption = f"The worst over {run.tally} of {whose}, {_at(diagnosis.tau, method)}."
     worst = table(["constant", "value", "meaning", "paper"], rows, caption)
     return _verdict(diagnosis, run, across) + worst + _stand_in(method)
 
 
-def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) -> list[str]:
+def _at(tau: float, method: str) -> str:
+    return f"at τ {'≤' if core.METHODS[method].adaptive else '='} {tau:.3g}"
+
+
+def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, judged: bool) -> list[str]:
     value = constant.worst(diagnosis)
     number = f'<span class="number">{_shown(value, constant.bounds_tau)}</span>'
-    if constant.bounds_tau and value < diagnosis.tau and not zeno:
+    if constant.bounds_tau and value < diagnosis.tau and judged:
         number = f'<span class="number exceeded">{_shown(value, True)} &lt; τ</span>'
     symbol = "".join(map(name_markup, constant.symbol.split()))
     return [f"<math>{symbol}</math>", number, prose(constant.meaning), escape(constant.label)]
@@ -119,10 +124,13 @@ def _verdict(diagnosis: core.Diagnosis, run: core.Trajectory, across: NDArray[np
         return (
             "<p>The crossings accumulate: they come closer than any step, and no τ satisfies the bounds throughout.</p>"
         )
+    if core.METHODS[run.method].adaptive:
+        return f"<p>{escape(run.method)} chooses its own steps: bounds on a fixed τ do not apply to them.</p>"
     warnings = diagnosis.warnings or tuple(filter(None, [run.warning.removesuffix(".")]))
     if not warnings:
         bounds = [getattr(diagnosis, one.field)[across] for one in _CONSTANTS if one.bounds_tau]
         known = "" if not np.isnan(bounds).any() else " that are known"
+        known += ", as estimated below" if stand_in(run.method).name != run.method else ""
         elsewhere = "" if across.all() else " Where the surface is not crossed transversally they do not apply."
         return f"<p>τ satisfies all bounds{known}.{elsewhere}</p>"
     items = "".join(f"<li>{escape(printed(on_page(words)))}.</li>" for words in warnings)
@@ -134,12 +142,8 @@ def _stand_in(method: str) -> str:
     whole = stand_in(method)
     if whole.name == method:
         return ""
-    whose = (
-        f"one step of {whole.name}, longer than any of its own"
-        if whole.conservative
-        else "one classical Runge–Kutta step"
-    )
-    return f"<p>For {escape(method)}, the constants of the scheme are those of {whose}.</p>"
+    whose = f"one step of {whole.name}" if whole.conservative else "one classical Runge–Kutta step"
+    return f"<p>For {escape(method)}, the constants of the scheme are estimated by those of {whose}.</p>"
 
 
 def _shown(value: float, bounds_tau: bool) -> str:

@@ -11,11 +11,14 @@ from numpy.typing import ArrayLike
 
 import core
 from core.studies import CostCurve
+from pwsviz.figures.conserved import NOWHERE
 from pwsviz.figures.cost_text import (
     ACROSS,
+    MEANING,
     UP,
     Across,
     Up,
+    bottom_of,
     compared_with,
     cost_numbers,
     cost_of,
@@ -23,9 +26,11 @@ from pwsviz.figures.cost_text import (
     cost_words,
     error_of,
     setting_text,
+    timed_how,
 )
 from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
 from pwsviz.figures.style import (
+    BELOW_RANGE,
     GREY,
     PALE_GREY,
     WITH_TABLE,
@@ -43,7 +48,7 @@ from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import printed
 
-__all__ = ["CostView", "compared_with", "cost_numbers", "cost_rows", "cost_text"]
+__all__ = ["MEANING", "CostView", "compared_with", "cost_numbers", "cost_rows", "cost_text", "timed_how"]
 
 EXTERNAL_LINES = {
     "scipy": Line(GREY, (6, 3, 1, 3), "x", 1.6),
@@ -71,7 +76,7 @@ class CostView:
         )
         plot = self.figure
         self._across, self._up = plot.xaxis[0], plot.yaxis[0]
-        self.floor = mark_levels(plot, {1e-15: "round-off"})
+        self.levels = mark_levels(plot, {1e-15: "round-off", NOWHERE: BELOW_RANGE})
         self.curves = ColumnDataSource(
             {name: [] for name in ("xs", "ys", "colour", "dash", "width", "label", *MARK_COLUMNS)}
         )
@@ -82,9 +87,11 @@ class CostView:
         points = plot.scatter("x", "y", source=self.points, marker="marker", **look)
         self.wrong = ColumnDataSource({name: [] for name in names})
         hollow = plot.scatter("x", "y", source=self.wrong, marker="circle", **look, fill_alpha=0.0)
+        self.below = ColumnDataSource({name: [] for name in names})
+        down = plot.scatter("x", "y", source=self.below, marker="inverted_triangle", **look)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         rows = [("", "@label"), ("", "@setting"), ("", "@cost"), ("error", "@error"), ("", "@status")]
-        plot.add_tools(tips(rows, renderers=[points, hollow]))
+        plot.add_tools(tips(rows, renderers=[points, hollow, down]))
         keys = legend_marks(plot, self.curves, size=look["size"])
         _, self._hollow = legend_below(plot, [({"field": "label"}, [lines, keys]), (WRONG, hollow)])
 
@@ -102,58 +109,50 @@ class CostView:
         """
         self._across.axis_label, self._up.axis_label = ACROSS[across], UP[up]
         level = study.floor[up] or MACHINE_EPSILON
-        drawn = [_Drawn(curve, across, up) for curve in study.curves]
+        bottom = bottom_of(study, up)
+        drawn = [_Drawn(curve, across, up, bottom) for curve in study.curves]
         drawn = [one for one in drawn if one.there.any()]
-        least = min((one.least for one in drawn), default=level)
-        bottom = min(least, level) / 2  # where errors of 0 are drawn
         self.curves.data = {
             "xs": [one.cost for one in drawn],
-            "ys": [one.height(bottom) for one in drawn],
+            "ys": [one.height for one in drawn],
             "colour": [one.line.colour for one in drawn],
             "dash": [list(line.dash) for line in together(one.line for one in drawn)],
             "width": [min(one.line.width, 2.5) for one in drawn],
             "label": [one.curve.title for one in drawn],
             **mark_columns([one.line.marker for one in drawn], True),
         }
-        rows = [row for one in drawn for row in one.points(bottom)]
-        for source, wanted in ((self.points, True), (self.wrong, False)):
-            source.data = {name: [row[name] for row in rows if row["right"] is wanted] for name in source.data}
+        rows = [row for one in drawn for row in one.points()]
+        for source, place in ((self.points, "right"), (self.wrong, "wrong"), (self.below, "below")):
+            source.data = {name: [row[name] for row in rows if row["place"] == place] for name in source.data}
         self._hollow.visible = bool(self.wrong.data["x"])
-        self.floor.move(level)
+        below = bool(self.below.data["x"])
+        self.levels.move(level, bottom if below else NOWHERE)
         if rows:
             x, y = (np.array([row[name] for row in rows]) for name in ("x", "y"))
-            end = lowest(y, level)
+            end = bottom / 2 if below else lowest(y, level)
             assign(self.corners, x=[x.min(), x.max()], y=[end, max(y.max(), 10 * end)])
 
 
 class _Drawn:
     """The drawn form of one curve: points with a cost and an error, and gaps between them."""
 
-    def __init__(self, curve: CostCurve, across: Across, up: Up) -> None:
+    def __init__(self, curve: CostCurve, across: Across, up: Up, bottom: float) -> None:
         self.curve, self._across = curve, across
         self.line = line_of(curve.name) if not curve.peer else EXTERNAL_LINES[curve.name]
         self.error = error_of(curve, up)
         cost = cost_of(curve, across)
         self.there = np.isfinite(cost) & np.isfinite(self.error) & (cost > 0)
         self.cost: Floats = np.where(self.there, cost, np.nan)
+        self.height: Floats = np.where(self.there, np.maximum(self.error, bottom), np.nan)
+        """(m,) errors as drawn, those below the plot at its lower end, and NaN for a gap."""
 
-    @property
-    def least(self) -> float:
-        """The least error above zero, infinite if there is none."""
-        above = self.error[self.there & (self.error > 0)]
-        return float(above.min(initial=np.inf))
-
-    def height(self, bottom: float) -> Floats:
-        """Return (m,) errors as drawn: 0 at `bottom`, and NaN for a gap."""
-        return np.where(self.there, np.where(self.error > 0, self.error, bottom), np.nan)
-
-    def points(self, bottom: float) -> Iterator[dict[str, Any]]:
+    def points(self) -> Iterator[dict[str, Any]]:
         """Yield the columns of each point."""
         for k in np.flatnonzero(self.there).tolist():
-            cost = float(self.cost[k])
+            cost, right = float(self.cost[k]), bool(self.curve.correct_sequence[k])
             yield {
                 "x": cost,
-                "y": float(self.height(bottom)[k]),
+                "y": float(self.height[k]),
                 "colour": self.line.colour,
                 "marker": self.line.marker,
                 "label": self.curve.title,
@@ -161,7 +160,7 @@ class _Drawn:
                 "cost": cost_words(cost, self._across),
                 "error": printed(f"{self.error[k]:.1e}") if self.error[k] else "0",
                 "status": self.curve.status[k],
-                "right": bool(self.curve.correct_sequence[k]),
+                "place": "wrong" if not right else "below" if self.error[k] < self.height[k] else "right",
             }
 
 

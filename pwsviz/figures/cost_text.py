@@ -8,7 +8,9 @@ from typing import Literal
 import numpy as np
 
 import core
-from core.studies import CANCELLED, DONE, WAITING, CostCurve
+from core.interface import processor
+from core.studies import CANCELLED, DONE, EXTERNAL_SOLVERS, WAITING, CostCurve
+from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
@@ -21,15 +23,29 @@ ACROSS: Mapping[str, str] = {"seconds": "run time (s)", "evaluations": "evaluati
 UP: Mapping[str, str] = {
     "state": "state error at the end, ‖x − x*‖₂",
     "time": "error of the last crossing time, |t* − t̂|",
-    "invariant": "largest |Δψ| between crossings",
+    "invariant": "largest |Δψ|",
 }
 """Titles of the axes."""
+
+MEANING: Mapping[str, str] = {
+    "state": "‖x − x*‖₂ is the Euclidean norm of the difference from the reference x*.",
+    "time": "t* is the time of the last crossing by the reference, t̂ that by the run.",
+    "invariant": "|Δψ| is the change of ψ since the start.",
+}
+"""What the errors are, for captions."""
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 """Errors for which the table names the cheapest integrators."""
 
+FAINT = 128.0
+"""Part of the level of round-off at which smaller errors and exact zeros are drawn, as ε/8 is to 16ε."""
+
 NONE = "–"
 """In place of an integrator where none reaches an error."""
+
+TIE = 1.5
+"""Ratio of run times up to which integrators are named together: the fastest of a few repeats of runs of a tenth of a
+millisecond varies by as much where the processor has other work."""
 
 _IN_MEMORY = 1e-3  #: seconds of preparing below which nothing was compiled or loaded
 
@@ -42,6 +58,11 @@ def cost_of(curve: CostCurve, across: Across) -> Floats:
 def error_of(curve: CostCurve, up: Up) -> Floats:
     """Return (m,) errors of one kind."""
     return {"state": curve.state_error, "time": curve.time_error, "invariant": curve.invariant_error}[up]
+
+
+def bottom_of(study: core.WorkPrecision, up: Up) -> float:
+    """Return the lower end of a plot of errors, at which smaller ones are drawn."""
+    return (study.floor[up] or MACHINE_EPSILON) / FAINT
 
 
 def setting_text(curve: CostCurve, k: int) -> str:
@@ -63,26 +84,29 @@ def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
     some = any(np.isfinite(error_of(curve, up)).any() for curve in study.curves)
     rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
     what = "Least time" if across == "seconds" else "Fewest evaluations"
+    ties = f"; integrators within a factor of {TIE:g} are listed as well" * (across == "seconds")
     caption = (
-        f"{what} for a given error, of the settings measured; only runs with the solution’s sequence of crossings count"
+        f"{what} for a given error, of the settings measured; only runs with the solution’s sequence of crossings "
+        f"count{ties}"
     )
     return Numbers(header, rows, caption=caption)
 
 
 def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) -> tuple[str, ...]:
-    """Return the row of one target: the error, then integrator and cost, of ours and of an external solver."""
+    """Return the row of one target: the error, then integrators and cost, of ours and of external solvers."""
     cells = [printed(f"{target:.0e}")]
     for peer in (False, True):
-        found = [_reach(curve, target, across, up) for curve in study.curves if curve.peer is peer]
-        best = min(filter(None, found), key=lambda one: one[0], default=None)
-        if best is None:
+        reached = [_reach(curve, target, across, up) for curve in study.curves if curve.peer is peer]
+        found = sorted(filter(None, reached), key=lambda one: one[0])
+        if not found:
             cells += [NONE, NONE]
-        else:
-            cost, curve, k = best
-            told = cost_words(cost, across)
-            if across == "seconds":  # a number stays with its unit
-                told = told.replace(" ", "\u00a0")
-            cells += [f"{curve.title}, {setting_text(curve, k)}", told]
+            continue
+        slack = TIE if across == "seconds" else 1.0
+        names = [f"{curve.title}, {setting_text(curve, k)}" for cost, curve, k in found if cost <= slack * found[0][0]]
+        told = cost_words(found[0][0], across)
+        if across == "seconds":  # a number stays with its unit
+            told = told.replace(" ", "\u00a0")
+        cells += [" or ".join(names), told]
     return tuple(cells)
 
 
@@ -103,7 +127,10 @@ def cost_text(study: core.WorkPrecision, across: Across, up: Up) -> str:
         parts.append(f"There is no {UP[up]} to show: {_why_none(study, up)}.")
     if across == "evaluations":
         parts.append(_about_evaluations(study))
-    return " ".join(filter(None, [*parts, *_missing(study), _compiling(study), _comparison(study, up)]))
+    else:
+        parts.append(f"{timed_how(study)}.")
+    parts += [*_missing(study), _below(study, up), _compiling(study), _comparison(study, up)]
+    return " ".join(filter(None, parts))
 
 
 def _why_none(study: core.WorkPrecision, up: Up) -> str:
@@ -127,6 +154,16 @@ def _about_evaluations(study: core.WorkPrecision) -> str:
     return " ".join(notes)
 
 
+def timed_how(study: core.WorkPrecision) -> str:
+    """Return what a run time is, on which machine, and of which integrators the field is not compiled."""
+    slow = [c.title for c in study.curves if c.peer and not EXTERNAL_SOLVERS[c.name].compiled]
+    times = f"the fastest of {study.repeats} repeats" if study.repeats > 1 else "one run"
+    call = (
+        f"; {listed(slow)} calls a Python function for the field, where that of the others is compiled" if slow else ""
+    )
+    return f"Run time is the processor time of one thread, {times}, on {processor()}{call}"
+
+
 def _compiling(study: core.WorkPrecision) -> str:
     took = [(curve.title, curve.compile_seconds) for curve in study.curves if np.isfinite(curve.compile_seconds)]
     compiled = [f"{title} {duration(seconds)}" for title, seconds in took if seconds >= _IN_MEMORY]
@@ -134,19 +171,32 @@ def _compiling(study: core.WorkPrecision) -> str:
 
 
 def _missing(study: core.WorkPrecision) -> Iterator[str]:
-    """Yield a sentence on each missing or wrong result, once for each integrator and reason."""
+    """Yield a sentence on each missing or wrong result, once for each reason."""
     for word in (WAITING, CANCELLED):
         count = sum(curve.status.count(word) for curve in study.curves)
         if count:
             yield f"{plural(count, 'setting')} {word}."
+    wrong = f"another sequence of crossings than that of the solution, which has {study.met} (open symbols)"
+    told: dict[str, list[str]] = {}
     for curve in study.curves:
         places: dict[str, list[int]] = {}
         for k, status in enumerate(curve.status):
             if status not in (DONE, WAITING, CANCELLED):
-                wrong = f"its sequence is not that of the solution’s {study.met} (drawn hollow)"
                 places.setdefault(wrong if np.isfinite(curve.seconds[k]) else status, []).append(k)
         for reason, found in places.items():
-            yield f"{curve.title}{_where(curve, found)}: {reason}."
+            told.setdefault(reason, []).append(f"{curve.title}{_where(curve, found)}")
+    for reason, names in told.items():
+        yield f"{'; '.join(names)}: {reason}."
+
+
+def _below(study: core.WorkPrecision, up: Up) -> str:
+    """Say which errors are drawn at the lower end of the plot, which they lie below; empty if none is."""
+    places = [
+        (curve, np.flatnonzero((error_of(curve, up) < bottom_of(study, up)) & np.isfinite(curve.seconds)).tolist())
+        for curve in study.curves
+    ]
+    told = [f"{curve.title}{_where(curve, found)}" for curve, found in places if found]
+    return f"Errors of 0 or below the plot’s range, drawn as downward triangles: {'; '.join(told)}." if told else ""
 
 
 def _where(curve: CostCurve, found: list[int]) -> str:

@@ -16,12 +16,15 @@ from bokeh.models.glyphs import Scatter, VStrip
 from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
-from pwsviz.figures.style import OCCUPIED, SHADE_ALPHA, assign, unseen
+from pwsviz.figures.style import OCCUPIED, assign, side_strips, unseen
 
-__all__ = ["NARROW_SHADES", "Marks", "attach_shades", "shade_keys"]
+__all__ = ["NARROW_SHADES", "SAME_INSTANT", "SOME", "Marks", "attach_shades", "shade_keys"]
 
 APART = 8
 """Pixels between the middles of two marks, at least: they then cover each other by little."""
+
+SAME_INSTANT = 0.5
+"""Pixels between marks along a time axis that count as one: they are of one run, and so differ."""
 
 NARROWEST = 6
 """Mean width in pixels of neighbouring shades from which on they are told apart."""
@@ -29,10 +32,10 @@ NARROWEST = 6
 WEIGHTS = [0.5, 1.0, 1.0, 1.0, 0.5]
 """Of a shade and of two on either side in this mean: two sides that alternate have the same."""
 
-SOME = " (not all marked)"
+SOME = " (some)"
 """What a legend adds to the name of marks of which some are left out."""
 
-NARROW_SHADES = "some sides not shaded: too many changes"
+NARROW_SHADES = "brief stays not shaded"
 """What a legend says where shades are left out."""
 
 FACTOR = "const factor = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16  // large in a lecture\n"
@@ -67,7 +70,7 @@ for (const k of order) {  // rare kinds first, so that none is lost among many o
     kept.push(k)
     const cell = `${i},${j}`
     if (cells.has(cell)) { cells.get(cell).push([px, py]) } else { cells.set(cell, [[px, py]]) }
-  } else if (nearest > apart / 2) {
+  } else if (nearest > same * factor) {
     hidden.add(kinds[k])
   }
 }
@@ -79,7 +82,7 @@ if (String(label) != String(keys.data.label)) { keys.setv({ data: { ...keys.data
 )
 """JavaScript that chooses the marks to paint: none nearer than a mark to one before it.
 
-Those that coincide on the screen, as of two integrators, count as one, of which nothing is left out.
+Those that coincide on the screen, nearer than `same`, count as one, of which nothing is left out.
 """
 
 SHADE = (
@@ -126,9 +129,14 @@ class Marks:
         Columns of their places.
     width : float
         Of their lines, in pixels.
+    same : float
+        Distance in pixels up to which two of them count as one.
     """
 
-    def __init__(self, plot: figure, source: ColumnDataSource, x: str = "x", y: str = "y", width: float = 2.0) -> None:
+    def __init__(
+        self, plot: figure, source: ColumnDataSource, x: str = "x", y: str = "y", width: float = 2.0,
+        same: float = APART / 2,
+    ) -> None:  # fmt: skip
         look: dict[str, Any] = {
             "marker": "marker", "fill_alpha": 0.0, "line_color": "colour", "line_width": width, "size": "size",
         }  # fmt: skip
@@ -136,7 +144,15 @@ class Marks:
         self.painted = plot.add_glyph(source, Scatter(x=x, y=y, **look), view=CDSView(filter=self.filter))
         self._keys = unseen(("x", "y", "kind", "label", "marker", "colour", "size"))
         self.key = plot.add_glyph(self._keys, Scatter(**look))
-        given = {"plot": plot.id, "source": source, "filter": self.filter, "keys": self._keys, "x": x, "y": y}
+        given = {
+            "plot": plot.id,
+            "source": source,
+            "filter": self.filter,
+            "keys": self._keys,
+            "x": x,
+            "y": y,
+            "same": same,
+        }
         _on_change(plot, CustomJS(args=given, code=THIN), [source])
 
     def name(self, columns: Mapping[str, Sequence[Any]]) -> None:
@@ -151,16 +167,16 @@ class Marks:
 def shade_keys(plot: figure) -> list[tuple[str, GlyphRenderer[Any]]]:
     """Return the entries of the shades for a legend, and one that says that some are left out; for `attach_shades`."""
     return [
-        *((name if side else f"{name}: |Δg|", _key(plot, OCCUPIED[side][1])) for side, (name, _) in OCCUPIED.items()),
+        *((name if side else f"{name}: |Δg|", _key(plot, side)) for side, (name, _) in OCCUPIED.items()),
         (NARROW_SHADES, _key(plot, None)),
     ]
 
 
-def _key(plot: figure, colour: str | None) -> GlyphRenderer[Any]:
+def _key(plot: figure, side: int | None) -> GlyphRenderer[Any]:
     """Return what a legend paints of a shade, or of none: nothing in the figure."""
+    strip = VStrip(x0="start", x1="end", fill_color=None, line_width=0) if side is None else side_strips(side)
     nowhere = ColumnDataSource({"start": [np.nan], "end": [np.nan]})
-    look: dict[str, Any] = {"fill_color": colour, "fill_alpha": SHADE_ALPHA, "line_width": 0}
-    return plot.add_glyph(nowhere, VStrip(x0="start", x1="end", **look))
+    return plot.add_glyph(nowhere, strip)
 
 
 def attach_shades(plot: figure, bands: Mapping[int, GlyphRenderer[Any]], entries: Sequence[LegendItem]) -> None:

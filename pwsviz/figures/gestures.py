@@ -13,6 +13,9 @@ const view = cb_context.index.find_one(plot)
 const ground = view?.canvas_view.events_el
 if (ground == null || ground.dataset.gestures) { return }
 ground.dataset.gestures = "on"
+// Bokeh takes a button held for 0.3 s before it moves for a gesture of its own, and then neither pans nor clicks. No
+// figure of the page has a use for that gesture, and a busy machine is as late.
+view.canvas_view.ui_event_bus.ui_gestures.constructor.press_threshold = 2 ** 31 - 1
 
 const FINGER = 22, MOUSE = 11, STILL = 4   // pixels
 const DOUBLE = 400, PAUSE = 50             // milliseconds

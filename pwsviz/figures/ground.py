@@ -19,12 +19,14 @@ import core
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.moving import AWAIT, REPAINT, TELL_PLACE
-from pwsviz.figures.style import GREEN, GREY, PURPLE, SHADES, SIDES, assign, ranges, tips
+from pwsviz.figures.style import GREEN, GREY, PURPLE, SHADES, SIDES, TINT, assign, ranges, tips
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, surface_name
 from pwsviz.geometry.shades import shade_names
+from pwsviz.geometry.walls import NO_LAW
 from pwsviz.geometry.window import Window
+from pwsviz.results.orbits import PIECES_WITH_LEVELS
 
 __all__ = ["Ground"]
 
@@ -38,6 +40,17 @@ READOUT_STYLES: dict[str, str | None] = {
     "white-space": "nowrap",
 }
 """CSS of the line that tells what is under the pointer."""
+
+
+OWN_LEVEL, ATTRACTS, REPELS = "ψ = ψ(trajectory)", "S attracts", "S repels"
+
+MEANINGS = {
+    OWN_LEVEL: f"“{OWN_LEVEL}”: in each region the level sets of ψ on which {{trajectory}} "
+    f"begins or enters it, in the first {PIECES_WITH_LEVELS} pieces of the run between crossings",
+    ATTRACTS: f"“{ATTRACTS}”: both fields point towards it",
+    REPELS: f"“{REPELS}”: both fields point away from it",
+}
+"""What entries of the legend mean, for captions."""
 
 
 class Ground:
@@ -59,7 +72,7 @@ class Ground:
         self.figure = plot
         self._shown: Backdrop | None = None
         self.side = ColumnDataSource({"xs": [], "ys": []})
-        tint = plot.add_glyph(self.side, MultiPolygons(fill_color=SHADES[-1], fill_alpha=0.13, line_width=0))
+        tint = plot.add_glyph(self.side, MultiPolygons(fill_color=SHADES[-1], fill_alpha=TINT, line_width=0))
         self.bare = ColumnDataSource({"xs": [], "ys": []})
         hatched: dict[str, Any] = {"hatch_pattern": "/", "hatch_color": GREY, "hatch_alpha": 0.35, "hatch_scale": 12}
         bare = plot.add_glyph(self.bare, MultiPolygons(fill_color=GREY, fill_alpha=0.08, line_width=0, **hatched))
@@ -83,7 +96,7 @@ class Ground:
         usual_keys, own_keys = (list(keys.values()) for keys in self._level_keys.values())
         self.legend: list[tuple[str, Any]] = [
             ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("field f", field), ("ψ = const.", usual_keys),
-            ("ψ = const. (trajectory)", own_keys), ("S attracts", [attracting, line]), ("S repels", [repelling, line]),
+            (OWN_LEVEL, own_keys), (ATTRACTS, [attracting, line]), (REPELS, [repelling, line]),
         ]  # fmt: skip
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
@@ -93,6 +106,21 @@ class Ground:
         )
         plot.add_layout(self.waiting)
         self.readout = Div(text="", render_as_text=True, styles=READOUT_STYLES, margin=0)
+
+    def meaning(self, trajectory: str) -> str:
+        """Return what those lines mean that are in the legend now, for captions.
+
+        Parameters
+        ----------
+        trajectory : str
+            Name of the selected one.
+        """
+        names = [name for name, _ in self.legend[-len(self._line_entries) :]]
+        entries = zip(names, self._line_entries, strict=True)
+        shown = [MEANINGS[name] for name, entry in entries if entry.visible and name in MEANINGS]
+        if self._bare_entry.visible and NO_LAW in str(self._bare_entry.label):
+            shown.append(f"“{NO_LAW}”: no law is declared there")
+        return f"{'; '.join(shown)}.".format(trajectory=trajectory) if shown else ""
 
     def follow(self, entries: list[LegendItem], marks: list[ColumnDataSource], curves: list[ColumnDataSource]) -> None:
         """Let the browser paint what depends on time, and tell what is under the pointer.

@@ -13,9 +13,9 @@ from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
 import core
-from core.symbolic import to_text
 from pwsviz.figures.moving import FORMULAS
 from pwsviz.figures.style import GREY
+from pwsviz.geometry.projection import surface_texts
 from pwsviz.scene.names import readable
 from pwsviz.text.math_names import numbered
 
@@ -33,8 +33,7 @@ def surface_labels(system: core.PiecewiseSystem) -> list[str]:
     """
     if len(system.laws.surfaces) < 2:
         return []
-    guards = [to_text(-g if g.could_extract_minus_sign() else g) for g in system.laws.surfaces]
-    texts = [readable(g, system) for g in system.surfaces or guards]
+    texts = [readable(g, system) for g in surface_texts(system)]
     names = [f"{numbered('g', k + 1)} = " if system.surfaces else "" for k in range(len(texts))]
     return [
         f"{name}{text} = 0" if len(text) <= LONGEST else f"{name}0" for name, text in zip(names, texts, strict=True)

@@ -163,7 +163,7 @@ def left_out(orbits: Sequence[Orbit]) -> str:
 
 
 def _most_marks(runs: int) -> int:
-    return max(1, MOST_MARKS // runs)
+    return max(1, MOST_MARKS // max(runs, 1))
 
 
 def end_columns(orbits: Iterable[tuple[int, Orbit]], view: Window | None = None) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from bokeh.models import ColumnDataSource, DataRange1d
 from numpy.typing import ArrayLike, NDArray
 
 import core
+from pwsviz.figures.conserved import NOWHERE
 from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
 from pwsviz.figures.slope_names import name_slopes
 from pwsviz.figures.style import (
@@ -28,6 +29,7 @@ from pwsviz.figures.style import (
     mark_levels,
     plain_figure,
 )
+from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
@@ -52,8 +54,14 @@ UNKNOWN = "–"
 
 
 STATE_ERROR = ("state error", "‖x − x*‖₂")
-TIME_ERROR = ("crossing time error", "|t* − t̂|")
+TIME_ERROR = ("crossing-time error", "|t* − t̂|")
 """What an order plot may show: the error in words, and in symbols with its norm; a star marks the solution."""
+
+ABOVE = "fits above"
+"""Name of the line above which errors enter the fits."""
+
+APART = 100.0
+"""Ratio of two such limits from which on both have room for a name."""
 
 ROOM = 2.0
 """Factor between the largest error and the point in which the lines of integer slopes meet."""
@@ -71,11 +79,15 @@ class Row:
     slope: float
     window: tuple[float, float]
     """Least and greatest step size of the fit."""
+    fit_above: float = 0.0
+    """Errors above this enter the fit."""
     fit_below: float = np.inf
     """Errors below this enter the fit."""
     look: Line = LINES[0]
     spread: float = 0.0
     """Standard error of the slope, of the residuals of the fit."""
+    at_round_off: bool = False
+    """Whether no error exceeds round-off."""
 
     @property
     def label(self) -> str:
@@ -102,8 +114,6 @@ class Studied(NamedTuple):
     order: int
     taus: Floats
     rows: list[Row]
-    fit_above: float
-    """Errors above this enter the fits."""
     reference: str
     """Name of the solution that it is compared with."""
 
@@ -115,11 +125,15 @@ Rows = Callable[[core.OrderStudy], list[Row]]
 def studied(studies: Sequence[core.OrderStudy], rows: Rows) -> list[Studied]:
     """Return what an order plot shows of studies."""
     return [
-        Studied(
-            one.method, core.METHODS[one.method].order or 1, one.taus, rows(one), float(one.fit_above), one.reference
-        )
-        for one in studies
+        Studied(one.method, core.METHODS[one.method].order or 1, one.taus, rows(one), one.reference) for one in studies
     ]
+
+
+def limits(shown: Sequence[Studied]) -> tuple[Row, Row] | None:
+    """Return the curves whose fits begin above the least and above the greatest error; None if that is not known."""
+    rows = [row for one in shown for row in one.rows if np.isfinite(row.fit_above)]
+    ordered = sorted(rows, key=lambda row: row.fit_above)
+    return (ordered[0], ordered[-1]) if ordered else None
 
 
 def look_after(k: int) -> Line:
@@ -133,8 +147,9 @@ def state_rows(study: core.OrderStudy) -> list[Row]:
     names = [("before the first crossing", "before")]
     names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
     fitted = study.state_error, study.state_slope, study.window
+    above, round_off = study.fit_above.tolist(), study.at_round_off.tolist()
     return [
-        Row(*names[k], error, slope, window, study.fit_below, look_after(k), spread)
+        Row(*names[k], error, slope, window, above[k], study.fit_below, look_after(k), spread, round_off[k])
         for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
     ]
 
@@ -143,8 +158,9 @@ def time_rows(study: core.OrderStudy) -> list[Row]:
     """Return the curves of the error of the time of each studied crossing."""
     names = [f"crossing {count}" for count in study.crossings]
     fitted = study.time_error, study.time_slope, study.time_window
+    above, below, round_off = study.time_fit_above.tolist(), study.time_fit_below, study.time_at_round_off.tolist()
     return [
-        Row(names[k], names[k], error, slope, window, study.time_fit_below, look_after(k + 1), spread)
+        Row(names[k], names[k], error, slope, window, above[k], below, look_after(k + 1), spread, round_off[k])
         for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
     ]
 
@@ -191,9 +207,10 @@ def order_tables(shown: Sequence[Studied]) -> Mapping[str, Callable[[], Mapping[
             "integrator": np.array([one.method for one, _ in drawn]),
             "curve": np.array([row.name for _, row in drawn]),
             "slope": np.array([row.slope for _, row in drawn]),
+            "slope_error": np.array([row.spread if np.isfinite(row.slope) else np.nan for _, row in drawn]),
             "fit_from": np.array([row.window[0] for _, row in drawn]),
             "fit_to": np.array([row.window[1] for _, row in drawn]),
-            "fit_above": np.array([one.fit_above for one, _ in drawn]),
+            "fit_above": np.array([row.fit_above for _, row in drawn]),
             "fit_below": np.array([row.fit_below for _, row in drawn]),
             "reference": np.array([one.reference for one, _ in drawn]),
         }
@@ -242,7 +259,7 @@ class OrderView:
         plot = self.figure
         self.guides = ColumnDataSource({"xs": [], "ys": []})
         plot.multi_line("xs", "ys", source=self.guides, color=GREY, line_dash="dotted", line_width=1.5)
-        self.floor = mark_levels(plot, {1e-15: "fits above"})
+        self.floor = mark_levels(plot, {1e-15: ABOVE, NOWHERE: ""})
 
     def _curve_glyphs(self) -> None:
         plot = self.figure
@@ -289,9 +306,22 @@ class OrderView:
             "colour": [colour for _, colour in known],
         }
         self._fit.visible = bool(known)
-        floor = max(one.fit_above for one in shown)
-        self.floor.move(floor)
+        floor = self._show_limits(shown)
         self._show_guides(drawn, floor, {1, 2} | {one.order for one in shown} if known else set())
+
+    def _show_limits(self, shown: Sequence[Studied]) -> float:
+        """Draw the least and the greatest error above which a fit begins, and return the least."""
+        found = limits(shown)
+        if found is None:
+            self.floor.move(NOWHERE, NOWHERE)
+            return MACHINE_EPSILON
+        least, greatest = found
+        same = least.fit_above == greatest.fit_above
+        apart = greatest.fit_above > APART * least.fit_above
+        names = [f"{ABOVE}:\n{row.short}" if apart else ABOVE * (row is greatest or same) for row in found]
+        self.floor.names.args = {**self.floor.names.args, "names": names}
+        self.floor.move(least.fit_above, NOWHERE if same else greatest.fit_above)
+        return least.fit_above
 
     def _show_guides(self, drawn: list[_Drawn], floor: float, orders: set[int]) -> None:
         """Draw lines of these slopes through one point above the curves, and end the axes where the data do."""

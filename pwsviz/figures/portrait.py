@@ -11,13 +11,14 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from bokeh.core.properties import value
 from bokeh.events import Event, PointEvent, RangesUpdate, Reset, Tap
 from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, ResetTool
 from bokeh.models.glyphs import Line, MultiLine, Scatter, Text
 from bokeh.plotting import figure
 
 import core
-from pwsviz.figures.crowding import Marks
+from pwsviz.figures.crowding import SOME, Marks
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
@@ -157,7 +158,7 @@ class PortraitView:
         )
         plot.grid.visible = False
         for reset in (tool for tool in plot.tools if isinstance(tool, ResetTool)):
-            reset.description = "Fit to the trajectories (double click)"
+            reset.description = "Fit to the trajectories (double-click)"
         return plot
 
     def _orbit_glyphs(self) -> None:
@@ -174,10 +175,12 @@ class PortraitView:
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.add_glyph(self.orbits, MultiLine(**looks))
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
-        plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="colour", line_color="white"))
+        self.dots = plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="colour", line_color="white"))
         self.methods, self.keys = legend_lines(plot)
         self.jumps = ColumnDataSource({"x": [], "y": []})
         self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=AMBER, line_dash=[2, 4], line_width=2))
+        self.trails = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "width", "alpha")})
+        plot.add_glyph(self.trails, MultiLine(line_alpha="alpha", **looks))  # under all marks and numbers
 
     def _crossing_glyphs(self) -> None:
         plot = self.figure
@@ -219,11 +222,9 @@ class PortraitView:
         look = {"size": ALONGSIDE_SIZE, "fill_color": PALE_STAR, "line_color": AMBER, "line_width": 1.2}
         plot.add_glyph(self.alongside, Scatter(marker="circle", **look))
         plot.add_glyph(self.alongside, Text(text="label", **{**letters, "text_color": AMBER}, **beside))
-        self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size")})
-        look = {"size": "size", "fill_color": "colour", "line_color": "white", "line_width": 1.5}
+        self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size", "alpha")})
+        look = {"size": "size", "fill_color": "colour", "fill_alpha": "alpha", "line_color": "white", "line_width": 1.5}
         plot.add_glyph(self.moving, Scatter(marker="marker", **look))
-        self.trails = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "width")})
-        plot.add_glyph(self.trails, MultiLine(line_color="colour", line_width="width", line_cap="round"))
         self.corners = fit_to_corners(plot, [-1.0, 1.0], [-1.0, 1.0])
 
     def _add_legend(self) -> None:
@@ -231,6 +232,7 @@ class PortraitView:
             self.figure,
             [
                 ({"field": "method"}, self.keys),
+                ("step", self.dots),
                 ("start", self.stars),
                 ({"field": "label"}, self.marks.key),
                 ({"field": "label"}, self.stops),
@@ -238,6 +240,8 @@ class PortraitView:
             ],
             usual=2,
         )
+        self._step_entry = entries[1]
+        self._step_entry.visible = False
         marks = [self.starts, self.alongside, self.crossings, self.ends]
         self.ground.follow(entries[-len(self.ground.legend) :], marks, [self.orbits, self.others])
 
@@ -316,13 +320,29 @@ class PortraitView:
         self.marks.name(marked)
         assign(self.crossings, **marked)
         assign(self.ends, **end_columns(pictures.numbered, self._visible or self.frame))
-        assign(self.steps, **step_columns([*pictures.orbits, *pictures.thin]))
+        steps = step_columns([*pictures.orbits, *pictures.thin])
+        assign(self.steps, **steps)
+        omitted = any(orbit.more_steps for orbit in (*pictures.orbits, *pictures.thin))
+        self._step_entry.update(visible=len(steps["x"]) > 0, label=value(f"step{SOME}" if omitted else "step"))
         jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.thin)])
         assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
         assign(self.alongside, **alongside_columns(system, pictures))
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._pictures = pictures
+
+    def show_ground(
+        self, system: core.PiecewiseSystem, backdrop: Backdrop, window: Window, starts: Sequence[tuple[float, float]]
+    ) -> None:
+        """Draw what is known of a system of two variables before any trajectory is: field, surface and starts."""
+        self._name(system, (0, 1))
+        marked = crossing_columns([], 1)
+        self.marks.name(marked)
+        assign(self.crossings, **marked)
+        assign(self.ends, **end_columns([]))
+        self.look_at(window)
+        self.show_starts(starts, 0)
+        self.show_backdrop(backdrop)
 
     def show_starts(self, starts: Sequence[tuple[float, float]], selected: int) -> None:
         """Put the stars at the starts; after a refused move this puts its star back."""

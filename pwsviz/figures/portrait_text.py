@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Sequence
 
 import core
-from core.symbolic import to_text
 from pwsviz.figures.marks import ENDS, left_out
 from pwsviz.geometry.projection import (
     PLANE,
@@ -16,20 +16,24 @@ from pwsviz.geometry.projection import (
     planes_alike,
     psi_names_time,
     shows_surface,
+    surface_texts,
     surfaces_shown,
 )
 from pwsviz.results.results import Pictures
 from pwsviz.scene.equations import equations, indexed
-from pwsviz.scene.names import readable
+from pwsviz.scene.names import met_at_surfaces, readable
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.words import listed
 
-__all__ = ["SUMMARY", "figures_of", "law_note", "portrait_note", "portrait_text"]
+__all__ = ["SUMMARY", "figures_of", "law_note", "parted_words", "portrait_note", "portrait_text"]
 
 SUMMARY = "Phase portrait"
 
 LONGEST = 240
 """Characters of equations below the portrait, about three lines; longer ones are in the view Scheme only."""
+
+UNBROKEN = 40
+"""Most characters of an equation that stands on one line, also on a phone."""
 
 
 def portrait_text(
@@ -37,7 +41,7 @@ def portrait_text(
 ) -> str:
     """Return what the portrait shows, in sentences for screen readers."""
     across, up = (variable_name(system.variables[k]) for k in pictures.axes)
-    x, y = starts[selected]
+    x, y = (coordinate + 0.0 for coordinate in starts[selected])  # without the sign of −0
     count = len(starts)
     which = "one trajectory, which starts" if count == 1 else f"{count} trajectories; number {selected + 1} starts"
     met = "; ".join(f"{one.method}: {one.course}" for one in pictures.summaries)
@@ -52,6 +56,22 @@ def figures_of(pictures: Pictures, warnings: Sequence[str] = ()) -> str:
     drawn = [*pictures.orbits, *pictures.others]
     said = (_which_start(pictures), _warned(pictures, warnings), _without_psi(pictures), _beyond_wall(pictures))
     return " ".join(filter(None, (*said, left_out(drawn))))
+
+
+def parted_words(pictures: Pictures) -> str:
+    """Say from when on the selected runs cannot all be right, as those of a chaotic system sooner or later."""
+    if pictures.parting is None:
+        return ""
+    met, agreeing, parted = met_at_surfaces(pictures.system), pictures.parting.agreeing, pictures.parting.parted
+    if len(parted) == 1:
+        ((other, t),) = parted
+        words = f"From t = {t:.4g} on, the {met} of {other} and {agreeing} do not correspond"
+        return f"{words}: at most one of the two still follows the solution."
+    others = listed([f"{other} from t = {t:.4g} on" for other, t in parted])
+    return (
+        f"The {met} of others do not correspond to those of {agreeing}: {others}. Of each such pair at most one "
+        "run still follows the solution."
+    )
 
 
 def _warned(pictures: Pictures, warnings: Sequence[str]) -> str:
@@ -104,9 +124,12 @@ def _which_start(pictures: Pictures) -> str:
 
 
 def law_note(system: core.PiecewiseSystem) -> str:
-    """Return the equations of a system, or where they are if they are long."""
+    """Return the equations of a system, none of which breaks across lines, or where they are if they are long."""
     laws = indexed(equations(system))
-    return f"{laws}." if len(laws) <= LONGEST else "The equations are in the tab Scheme."
+    if len(laws) > LONGEST:
+        return "The equations are in the tab Scheme."
+    each = re.split(r"(?<=[,;:]) ", laws)
+    return " ".join(one.replace(" ", "\N{NO-BREAK SPACE}") if len(one) <= UNBROKEN else one for one in each) + "."
 
 
 def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
@@ -130,7 +153,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
 def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
     """Return on which plane a system of more variables is projected, and what cannot be drawn in it."""
     plane, *alike = (_named_plane(system, one) for one in (axes, *planes_alike(system, axes)))
-    shown, texts = surfaces_shown(system, axes), system.surfaces or tuple(map(to_text, system.laws.surfaces))
+    shown, texts = surfaces_shown(system, axes), surface_texts(system)
     hidden = [f"{readable(g, system)} = 0" for k, g in enumerate(texts) if k not in shown]
     lost = ["the field", "the level sets"] + [f"the surface{'s' * (len(hidden) > 1)} {', '.join(hidden)}"] * bool(
         hidden

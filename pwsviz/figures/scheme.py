@@ -40,7 +40,7 @@ SCHEME_STYLE = """
 """The style sheet of what `scheme_markup` returns."""
 
 _SIDES = {-1: ("-", "Where g < 0"), 1: ("+", "Where g > 0")}
-_BOTH = (r"\pm", "On both sides")
+_BOTH = (r"\pm", "The law")
 _SLIDING = ("S", "Sliding along g = 0")
 
 
@@ -255,7 +255,9 @@ def _write_field(sheet: EquationSheet, sign: str, mode: Mode) -> None:
         sheet.equate(rf"\bar{{f}}_{{{sign}}}", discrete.mean_field)
         return
     if mode.conserved:
-        sheet.say("ψ determines the orbit, so f^τ is orthogonal to every row of Λ^τ, and the step is")
+        sheet.say(
+            "ψ determines the orbit: f^τ is orthogonal to every row of Λ^τ, its length follows from f, and the step is"
+        )
     else:
         sheet.say("The step is the implicit midpoint rule:")
     for variable, component in zip(mode.variables, discrete.expression, strict=True):
@@ -264,10 +266,10 @@ def _write_field(sheet: EquationSheet, sign: str, mode: Mode) -> None:
 
 def _write_runge_kutta(sheet: EquationSheet, tableau: ButcherTableau) -> None:
     count = len(tableau.rows)
-    earlier = "j<i" if tableau.explicit else "j"
+    earlier, between = "j<i" if tableau.explicit else "j", r"\ldots , " * (count > 2)
     sheet.formula(
         rf"k_{{i}} = f ( t_{{k}} + c_{{i}} \tau , x_{{k}} + \tau \sum_{{{earlier}}} a_{{i,j}} k_{{j}} ) , "
-        rf"i = 1 , \ldots , {count}"
+        f"i = 1 , {between}{count}"
     )
     sheet.formula(r"\Delta = \tau \sum_{i} b_{i} k_{i}")
     if tableau.source:
@@ -316,10 +318,16 @@ def _write_transition(
             f"the next one takes that of {beside if one else 'the next region'}. The order falls to one."
         )
         return
-    to = "the other side s′" if one else "the region s′ that follows"
-    sheet.say(f"Where a step from s to {to} changes the sign of {g}, the crossing is located on the scheme itself:")
+    alike = next(_groups(system.laws, ()))[:2] == _BOTH
+    before, after = ("", "") if alike else ("_{s}", "_{s'}")
+    to = "" if alike else f" from {here} s to {'the other side s′' if one else 'the region s′ that follows'}"
+    sheet.say(
+        f"Where a step{to} changes the sign of {g}, the time t̂ and the state x̂ of the crossing are located on the "
+        "scheme itself, whose mean velocity over a step is f^τ:"
+    )
     at = r"\hat{t} , \hat{x}" if any(g.has(TIME) for g in system.laws.surfaces) else r"\hat{x}"
-    sheet.formula(r"\hat{x} = x_{k} + ( \hat{t} - t_{k} ) f^{\tau}_{s} ( t_{k} , x_{k} , \hat{t} , \hat{x} )")
+    field = rf"f^{{\tau}}{before} ( t_{{k}} , x_{{k}} , \hat{{t}} , \hat{{x}} )"
+    sheet.formula(rf"\hat{{x}} = x_{{k}} + ( \hat{{t}} - t_{{k}} ) {field}")
     sheet.formula(f"g ( {at} ) = 0")
     if order is not None:
         moved = f"by c τᵖ with p = {order} and c = {scale:g}"
@@ -327,11 +335,12 @@ def _write_transition(
         sheet.formula(rf"\hat{{t}} \leftarrow \hat{{t}} + c \tau^{{{order}}}")
     start = r"\hat{x}"
     if system.laws.jumps:
-        sheet.say("There the state is reset from x̂ to x̂⁺. From there the step is completed in the region entered:")
+        completed = "" if alike else " in the region entered"
+        sheet.say(f"There the state is reset from x̂ to x̂⁺. From there the step is completed{completed}:")
         start = r"\hat{x}^{+}"
     else:
-        sheet.say(f"The step is completed with the field of {beside}:")
-    field = rf"f^{{\tau}}_{{s'}} ( \hat{{t}} , {start} , t_{{k+1}} , x_{{k+1}} )"
+        sheet.say(f"The step is completed{'' if alike else f' with the field of {beside}'}:")
+    field = rf"f^{{\tau}}{after} ( \hat{{t}} , {start} , t_{{k+1}} , x_{{k+1}} )"
     sheet.formula(rf"x_{{k+1}} = {start} + ( t_{{k+1}} - \hat{{t}} ) {field}")
     sheet.say("In the paper: Algorithm 1, Mannshardt’s transition scheme; equations (2.4) to (2.6).")
 
@@ -339,7 +348,7 @@ def _write_transition(
 def _write_sliding(sheet: EquationSheet) -> None:
     sheet.say(
         "Where both fields point to the surface, the state slides along it, with the combination of both that keeps g "
-        "(Filippov), until one of the rates of g vanishes:"
+        "(Filippov), until ġ₋ or ġ₊ vanishes, the rates of g along f₋ and f₊:"
     )
     names = {Symbol(name): name for name in (r"\dot{g}_{-}", r"\dot{g}_{+}", "f_{-}", "f_{+}")}
     (below, above, minus, plus), sheet.names = names, names

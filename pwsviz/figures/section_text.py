@@ -26,6 +26,8 @@ def surface_words(inputs: SectionInputs) -> str:
     system = inputs.problem.declaration
     own = "S: g = 0" if system.two_sided else "all surfaces"
     way = "reached from one side" if is_one_way(system, inputs.of) else _WAYS[inputs.direction]
+    if not inputs.of and inputs.scheme.slide and may_slide(system):
+        way += "; where sliding begins counts"
     return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {way}"
 
 
@@ -79,7 +81,7 @@ def section_how(outcome: SectionPoints) -> str:
     inputs = outcome.inputs
     adaptive = inputs.scheme.tolerance is not None
     step = f"tolerance {inputs.scheme.tolerance:.3g}" if adaptive else f"step size τ = {inputs.tau:.15g}"
-    left = f", without the first {inputs.discard:,}" if inputs.discard else ""
+    left = f", after the first {inputs.discard:,} are discarded" if inputs.discard else ""
     after = reset_words(inputs.problem.declaration, inputs.of)
     points = f"at most {plural(inputs.points, 'point')} of each start{left}"
     system = inputs.problem.declaration

@@ -39,7 +39,7 @@ FLOOR = MACHINE_EPSILON / 8
 CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
-LIMIT = "no failure up to τ: "
+LIMIT = "largest successful τ: "
 """Legend of the lines, before the name of the integrator."""
 
 PLACE = "chosen τ and start"
@@ -160,9 +160,11 @@ class MapFigure:
 
 
 def _edges(centres: Floats) -> Floats:
-    """Return (n + 1,) edges of cells around (n,) increasing centres."""
-    middles = (centres[1:] + centres[:-1]) / 2
-    return np.concatenate([[2 * centres[0] - middles[0]], middles, [2 * centres[-1] - middles[-1]]])
+    """Return (n + 1,) edges of cells around (n,) increasing places, of which the outer ones are edges themselves.
+
+    So every place of the map lies among those that were tried.
+    """
+    return np.concatenate([centres[:1], (centres[1:] + centres[:-1]) / 2, centres[-1:]])
 
 
 def _choose(event: Event, on_choose: Choose) -> None:

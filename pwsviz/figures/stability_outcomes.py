@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core import Status
 from core.studies import ENDINGS, NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, OutcomeMap
-from pwsviz.figures.style import BLUE, BROWN, GREEN, GREY, OCHRE, ORANGE, PURPLE, SKY, VERMILION, VIOLET
+from pwsviz.figures.style import BLUE, BROWN, CALM, GREEN, GREY, OCHRE, ORANGE, PURPLE, VERMILION, VIOLET
 
 __all__ = ["OUTCOMES", "UNJUDGED", "Outcome", "lasts", "outcomes_shown"]
 
@@ -26,7 +26,7 @@ class Outcome(NamedTuple):
 
 
 OUTCOMES: Mapping[int, Outcome] = {
-    Status.COMPLETED: Outcome("correct sequence of crossings", SKY),  # and an end like that of the solution
+    Status.COMPLETED: Outcome("correct sequence of crossings", CALM),  # and an end like that of the solution
     WRONG_CROSSINGS: Outcome("wrong sequence of crossings", ORANGE),
     WENT_ON: Outcome("continues where the solution stops", OCHRE),
     Status.ESCAPED: Outcome("the numerical solution blows up", VERMILION),

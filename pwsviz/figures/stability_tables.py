@@ -31,7 +31,7 @@ def stability_tables(study: core.StabilityStudy, part: str) -> Mapping[str, Call
         tables["largest_tau"] = lambda: _limits_table(study, limits)
     if part == "drift" and drift is not None:
         tables["drift"] = lambda: _drift_table(study, drift)
-    if part == "grazing" and grazing is not None:
+    if part == "grazing" and grazing is not None and grazing.found:
         tables["grazing"] = lambda: _grazing_table(study, grazing)
     return tables
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sized
+
 import numpy as np
 
 import core
-from core.studies import NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
+from core.studies import ENDINGS, NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
 from pwsviz.figures.marks import ENDS
 from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
+from pwsviz.results.studies import LIMITS_OF_TAU
 from pwsviz.text.advice import on_page
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
@@ -44,7 +47,7 @@ def stability_text(study: core.StabilityStudy, part: str) -> str:
         "map" (which includes the largest step sizes), "drift" or "grazing".
     """
     if part == "map" and (study.map is not None or study.largest_tau is not None):
-        return f"{_ends_early(study)}Reference for the crossings: {study.reference}."
+        return f"{_grid(study)}{_ends_early(study)}Reference for the crossings: {study.reference}."
     if part == "drift" and study.drift is not None:
         return _drift_words(study.drift)
     if part == "grazing" and study.grazing is not None:
@@ -52,15 +55,45 @@ def stability_text(study: core.StabilityStudy, part: str) -> str:
     return "Nothing is computed yet."
 
 
+def _grid(study: core.StabilityStudy) -> str:
+    """Say of which runs the map consists, and for which start its lines hold; empty while there is no map."""
+    if study.map is None:
+        return ""
+    taus, values = study.map.taus, study.map.values
+    across, up = f"τ from {taus[0]:.3g} to {taus[-1]:.3g}", f"from {values[0]:.4g} to {values[-1]:.4g}"
+    start = ", ".join("·" if k == study.coordinate else f"{x:.6g}" for k, x in enumerate(study.x0))
+    name = f"{variable_name(study.coordinate_name)} {up} in the start ({start})"
+    drawn = study.largest_tau is not None and bool(np.isfinite(study.largest_tau.tau).any())
+    until = _until(study, study.largest_tau) if study.largest_tau is not None else ""
+    lines = f"The lines “largest successful τ” hold for the chosen start only, {until}. " * drawn
+    return f"{len(taus)} × {len(values)} values: {across}, {name}. {lines}"
+
+
 def _ends_early(study: core.StabilityStudy) -> str:
-    """Say from how many starts of the map the solution itself ends before the end time, and how; empty if from none."""
+    """Say from how many starts of the map the solution, or the reference alone, ends before the end time, and how."""
     expected = study.map.expected if study.map is not None else np.empty(0, dtype=int)
     ends = [core.Status(code) for code in expected[np.isin(expected, list(ENDS))].tolist()]
-    if not ends:
-        return ""
-    told = ", ".join(f"{ENDS[status].word}: {ends.count(status)}" for status in dict.fromkeys(ends))
-    until = f"the solution itself ends before t = {study.t_span[1]:.4g} ({told})"
-    return f"From {len(ends)} of {len(expected)} starts {until}; a run that ends in the same way counts as correct. "
+    solution, reference = ([one for one in ends if (one in ENDINGS) is known] for known in (True, False))
+    until, words = f"before t = {study.t_span[1]:.4g}", ""
+    if solution:
+        how = "blows up" if {*solution} == {core.Status.ESCAPED} else f"ends ({_counted(solution)})"
+        met = "" if {*solution} & {core.Status.ZENO, core.Status.GRAZING} else ", after the same crossings,"
+        same = f"a run that does likewise{met} counts as correct"
+        words = f"{_how_many(solution, expected)} the solution itself {how} {until}; {same}. "
+    if reference:
+        early = f"the reference ends early ({_counted(reference)})"
+        words += f"{_how_many(reference, expected)} {early}; these are not judged. "
+    return words
+
+
+def _how_many(ends: list[core.Status], expected: Sized) -> str:
+    """Return “For 3 of the 25 initial states”, or “For all 25 initial states”."""
+    return f"For {'all' if len(ends) == len(expected) else f'{len(ends)} of the'} {len(expected)} initial states"
+
+
+def _counted(ends: list[core.Status]) -> str:
+    """Return how often each end occurs, such as “blow-up: 2, sliding: 1”."""
+    return ", ".join(f"{ENDS[status].word}: {ends.count(status)}" for status in dict.fromkeys(ends))
 
 
 def _drift_words(drift: Drift) -> str:
@@ -81,7 +114,7 @@ def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
         f"Runs that start beside it have step size τ = {grazing.tau:.3g}.",
     ]
     if not grazing.judged.any():
-        words.append("There is nothing to compare with: the solution itself stops on the surface.")
+        words.append("There is nothing to compare with: the reference ends early.")
     else:
         words.append("Reference for the crossings: the exact solution where one is known, else the Taylor method.")
     return " ".join(words)
@@ -111,7 +144,7 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
             name,
             _size(largest.tau[k]),
             _size(largest.beyond[k]),
-            on_page(largest.reason[k]) or "every step size tried works",
+            on_page(largest.reason[k]) or _all_work(float(largest.taus[-1])),
         )
         for k, name in enumerate(study.methods)
         if largest.done[k]
@@ -120,11 +153,19 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
     return Numbers(("integrator", "largest successful τ", "least failing τ", "reason"), rows, caption=caption)
 
 
+def _all_work(last: float) -> str:
+    """Say up to which step size an integrator works for which no larger one was tried."""
+    most = ", the largest the page offers" * (last == LIMITS_OF_TAU[1])
+    return f"works up to {last:.3g}{most}"
+
+
 def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
     """Return up to which time crossings are counted, and why if that is not the end time."""
     end, horizon = study.t_span[1], largest.horizon
+    if largest.expected not in ENDINGS:
+        return f"from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected is not core.Status.COMPLETED:
-        return f"to t = {horizon:.4g}, to see whether the runs stop where the solution does"
+        return f"from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
     moved = f", as one crossing lies too close to t = {end:.4g} for a run to be judged there" * (horizon != end)
     return f"to t = {horizon:.4g}{moved}"
 

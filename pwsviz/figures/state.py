@@ -13,7 +13,7 @@ from bokeh.models.glyphs import Scatter
 from bokeh.models.labeling import NoOverlap
 
 import core
-from pwsviz.figures.crowding import Marks, attach_shades, shade_keys
+from pwsviz.figures.crowding import SAME_INSTANT, Marks, attach_shades, shade_keys
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
@@ -113,7 +113,7 @@ class Panel:
 
     def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[Marks, HoverTool]:
         plot = self.figure
-        marks = Marks(plot, instants, "t", column, width=1.8)
+        marks = Marks(plot, instants, "t", column, width=1.8, same=SAME_INSTANT)
         reach = plot.add_glyph(instants, invisible(x="t", y=column, size=14))  # easier to hit than the mark
         hover = crossing_tips(reach, "t")
         rows = [("integrator", "@method"), ("time", "$snap_x{6}"), ("value", "$snap_y{6}")]
@@ -252,7 +252,7 @@ def state_text(names: Sequence[str], runs: Sequence[StateCurves], crossings: int
     ranges = [_told(name, runs, k) for k, name in enumerate(names[:MOST_PANELS])]
     off = " Its last part runs off." if first.runs_off else ""
     more = f" Drawn are the first {MOST_PANELS} of {len(names)} coordinates." if len(names) > MOST_PANELS else ""
-    marks = _whose(runs) + _how_many(crossings)
+    marks = f" {whose_marks(runs)}".rstrip() + _how_many(crossings)
     return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges)}.{off}{more}{marks}"
 
 
@@ -275,9 +275,9 @@ def _told(name: str, runs: Sequence[StateCurves], k: int) -> str:
     return f"{name} from {low:.4g}{f', drawn up to {name} =' if above else ' to'} {high:.4g}"
 
 
-def _whose(runs: Sequence[StateCurves]) -> str:
+def whose_marks(runs: Sequence[StateCurves]) -> str:
     """Say whose sides and crossings are marked, where there are several runs."""
-    return f" Shading and crossing marks refer to {runs[0].method}." if len(runs) > 1 else ""
+    return f"Sides and crossings shown are those of {runs[0].method}." if len(runs) > 1 else ""
 
 
 def _how_many(crossings: int) -> str:

@@ -39,6 +39,7 @@ VERMILION = "#A23400"
 GREEN = "#00885A"
 ORANGE = "#B26800"
 SKY = "#69769F"
+CALM = "#C3D0EE"  # of areas that recede: lighter than every other colour, in print too
 PURPLE = "#994F71"
 VIOLET = "#9006F0"
 OCHRE = "#837738"
@@ -56,11 +57,11 @@ RULE = "#7A7A7A"
 ON_DARK = {
     BLUE: "#2D81C7", VERMILION: "#D55E01", GREEN: "#19A87B", ORANGE: "#E9A005", SKY: "#65BEF3", PURPLE: "#E18DBC",
     VIOLET: "#BD31FF", OCHRE: "#BDA55D", BROWN: "#947947", BERRY: "#B7608F", AMBER: "#C98A10", LAKE: "#5DB3E6",
-    SAND: "#B5A88F", GREY: "#A8A8A8", PALE_GREY: "#CFCFCF",
+    SAND: "#B5A88F", CALM: "#34507A", GREY: "#A8A8A8", PALE_GREY: "#CFCFCF",
 }  # fmt: skip
 """The same on dark ground, where the browser paints these in their place (see `widgets.browser`)."""
 
-SHADES = {-1: "#56B4E9", 1: "#A89A80", 2: "#D55E00", 3: "#9000F0", 0: "#009E73"}
+SHADES = {-1: "#56B4E9", 1: "#D9B84A", 2: "#D55E00", 3: "#9000F0", 0: "#009E73"}
 """Colour of each shade of ground, painted transparently, on light and on dark."""
 
 SIDES = {-1: LAKE, 1: SAND}
@@ -71,11 +72,15 @@ OCCUPIED = {
 }
 """Name, of one surface, and colour of where a run is, by its shade: on a side, in a further region, or sliding."""
 
-SHADE_ALPHA = 0.16
-"""Opacity of these colours behind curves against time."""
+TINT = 0.13
+"""Opacity of the first shade in the portrait, beneath arrows and level sets."""
 
-HEIGHT = "clamp(340px, min(100vh - 15.6rem, 90vw), 1400px)"
-"""CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
+OPACITY = {-1: 0.19, 1: 0.14, 2: 0.2, 3: 0.14, 0: 0.19}
+"""Opacity of each shade behind curves against time. Pictures have them deeper by half, where the first two
+differ in a print without colours, too."""
+
+HEIGHT = "clamp(340px, min(100vh - var(--rest, 15.6rem), 90vw), 1400px)"
+"""CSS height of a figure: what the screen leaves free, but neither too flat nor too tall; a lecture sets `--rest`."""
 
 ROOM = "var(--legend, 0px)"
 """CSS height by which a legend is taller than usual, set by `legends`: added to a figure, whose frame then stays."""
@@ -318,7 +323,7 @@ def run_lines() -> MultiLine:
 
 def side_strips(side: int) -> VStrip:
     """Return the shade of the times between ``start`` and ``end``, which a run spends on one side, or sliding."""
-    return VStrip(x0="start", x1="end", fill_color=OCCUPIED[side][1], fill_alpha=SHADE_ALPHA, line_width=0)
+    return VStrip(x0="start", x1="end", fill_color=OCCUPIED[side][1], fill_alpha=OPACITY[side], line_width=0)
 
 
 def segments(t: Floats, sides: NDArray[np.int64], side: int) -> dict[str, Floats]:

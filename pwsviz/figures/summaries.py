@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from html import escape
 
 import core
+from core.studies import FIT_ABOVE, FIT_BELOW
 from pwsviz.figures.legends import LEGEND_GLYPH
-from pwsviz.figures.order import Studied
+from pwsviz.figures.order import Row, Studied, limits
 from pwsviz.figures.style import Line, line_of, on_either_ground, together
 from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
+from pwsviz.text.numbers import printed
 from pwsviz.text.words import as_text, duration, listed, plural, rounded
 
 
@@ -42,7 +44,7 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
 def run_words(summaries: Sequence[Summary]) -> str:
     """Say in a sentence of each run how it went, such as “dmm2: 21 crossings, end time reached.”."""
     said = (one.message or f"{', '.join(filter(None, (one.course, 'end time reached')))}." for one in summaries)
-    return " ".join(f"{one.method}: {words}" for one, words in zip(summaries, said, strict=True))
+    return printed(" ".join(f"{one.method}: {words}" for one, words in zip(summaries, said, strict=True)))
 
 
 def _reason(first: Summary, *others: Summary) -> str:
@@ -61,19 +63,25 @@ def swatch(line: Line) -> str:
     )
 
 
+def slopes_text(shown: Sequence[Studied]) -> str:
+    """Return the slopes of an order plot in words; those of several integrators stand in a table."""
+    if len(shown) > 1:
+        return ""
+    slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in shown[0].rows)
+    return f"{shown[0].method}: {slopes}."
+
+
 def study_text(shown: Sequence[Studied], early: bool) -> str:
-    """Return the slopes of an order plot in words: the same as it shows, also for screen readers.
+    """Return with what an order plot is compared, and what its slopes are fitted to.
 
     Parameters
     ----------
     shown
-        What the plot shows; slopes of several integrators stand in a table, and are left out.
+        What the plot shows.
     early
         Whether a trajectory has too few crossings to look at the usual ones.
     """
-    slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in shown[0].rows)
-    words = f"{shown[0].method}: {slopes}. " if len(shown) == 1 else ""
-    words += f"Reference: {listed(list(dict.fromkeys(one.reference for one in shown)))}."
+    words = f"Reference: {listed(list(dict.fromkeys(one.reference for one in shown)))}."
     words += f" {fit_rule(shown)}."
     if early:
         usual = listed([str(k) for k in STUDY_CROSSINGS])
@@ -97,25 +105,78 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
     if states:
         first, *later = (f"{t:.4g}" for t in study.times)
         words = (
-            f"‖x − x*‖ is the Euclidean norm, at t = {first}, halfway to the first crossing, and at "
-            f"t = {listed(later)}, halfway from crossing {counted} to the next"
+            f"‖x − x*‖₂ is the Euclidean norm of the difference from the reference x*, at t = {first}, halfway to the "
+            f"first crossing (“before”), and at t = {listed(later)}, halfway from crossing {counted} to the next "
+            "(“after”)"
         )
     else:
-        words = f"Crossings {counted} are compared, up to t = {study.times[-1]:.4g}"
+        words = (
+            f"Crossings {counted} are compared, up to t = {study.times[-1]:.4g}: t* is the time by the reference, t̂ "
+            "that by the run"
+        )
     return words + "; sliding begins and ends with a crossing, and both are counted" * slides + "."
 
 
 def fit_rule(shown: Sequence[Studied]) -> str:
     """Return which errors enter the fits, or of which there are too few."""
-    above = max(one.fit_above for one in shown)
-    below = min(row.fit_below for one in shown for row in one.rows)
-    lower = "The lower bound is 50 times the round-off of one state or, if larger, the estimated error of the reference"
-    if not any(math.isfinite(row.slope) for one in shown for row in one.rows):
-        return f"No slope is fitted, as too few errors lie between {above:.2g} and {below:.2g}. {lower}"
-    return (
-        f"Slopes are least-squares fits to errors between {above:.2g} and {below:.2g}, from the finest step size to "
-        f"where the slope changes, or to the coarsest where it is irregular (then with its standard error). {lower}"
+    drawn = [(f"{one.method} " * (len(shown) > 1) + _where(row), row) for one in shown for row in one.rows]
+    without: dict[str, list[str]] = {}
+    for name, row in drawn:
+        if not math.isfinite(row.slope):
+            without.setdefault(_why_no_slope(row), []).append(name)
+    between, limits_are = _bounds(shown)
+    if [len(drawn)] == [len(names) for names in without.values()]:
+        (why,) = without
+        return f"No slope is fitted, as {why}" + f" {between}. {limits_are}" * (why == _TOO_FEW)
+    fitted = [f"Slopes are least-squares fits to errors {between}, {_REACH}", limits_are]
+    fitted += [_IRREGULAR] * any("±" in row.slope_text for _, row in drawn)
+    reasons = [(names, why + " between these limits" * (why == _TOO_FEW)) for why, names in without.items()]
+    unfitted = [f"No slope is fitted {listed(names)}, as {why}" for names, why in reasons]
+    gaps = any(not math.isfinite(error) for _, row in drawn for error in row.error)
+    return ". ".join([*fitted, *unfitted, *[_GAPS] * gaps])
+
+
+_REACH = "from the least step size up to the one at which the local slope changes"
+
+_IRREGULAR = "Where the local slope is irregular, all errors between the limits are fitted; ± is the standard error"
+
+_TOO_FEW = "too few errors lie"
+
+_GAPS = "Points are missing where a run does not reach the time, or reaches it in fewer than four steps"
+
+
+def _why_no_slope(row: Row) -> str:
+    """Return the reason why a curve has no slope."""
+    if row.at_round_off:
+        return "all errors are near round-off, of the run or of the reference"
+    return _TOO_FEW if any(map(math.isfinite, row.error)) else "no error is known"
+
+
+def _bounds(shown: Sequence[Studied]) -> tuple[str, str]:
+    """Return between which errors a fit is made, and what these limits are; the lower may differ between curves."""
+    rows = [row for one in shown for row in one.rows]
+    found, below = limits(shown), rounded(min(row.fit_below for row in rows))
+    limits_are = (
+        f"The lower limit is {FIT_ABOVE:g} times the larger of accumulated round-off and the error of the reference"
     )
+    if not any(map(_of_time, rows)):
+        limits_are += f"; the upper is {FIT_BELOW:g} times the size of the solution"
+    if found is None:
+        return f"below {below}", limits_are
+    if found[0].fit_above == found[1].fit_above:
+        return f"between {rounded(found[0].fit_above)} and {below}", limits_are
+    least, greatest = (f"{rounded(row.fit_above)} {_where(row)}" for row in found)
+    return f"above a limit from {least} to {greatest}, and below {below}", limits_are
+
+
+def _where(row: Row) -> str:
+    """Return to which errors a curve belongs: “after 10 crossings”, “for crossing 10”."""
+    return f"for {row.name}" if _of_time(row) else row.name
+
+
+def _of_time(row: Row) -> bool:
+    """Return whether the errors of a curve are those of the time of a crossing."""
+    return row.name.startswith("crossing")
 
 
 def method_notes(scene: Scene) -> str:

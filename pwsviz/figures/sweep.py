@@ -64,7 +64,7 @@ class SweepView:
             tips([("", "@words"), ("", "@values")], renderers=[strips]),
             CrosshairTool(dimensions="height", line_color=RULE, line_alpha=1.0, visible=False),
         )
-        self._present, self._early = legend_below(plot, [("present value", line), ({"field": "words"}, strips)])
+        self._present, self._early = legend_below(plot, [("current value", line), ({"field": "words"}, strips)])
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def show(self, found: Diagram) -> None:
@@ -79,11 +79,11 @@ class SweepView:
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
 
     def mark(self, present: float, name: str) -> None:
-        """Put the line at the present value of the parameter."""
+        """Put the line at the current value of the parameter."""
         assign(self.present, x=[present])
         low, high = self.ends.data["x"]
         self._present.visible = bool(low <= present <= high)
-        self._present.label = value(printed(f"present value, {name} = {present:.6g}"))
+        self._present.label = value(printed(f"current value, {name} = {present:.6g}"))
 
 
 def _strips(found: Diagram) -> dict[str, Any]:

@@ -30,7 +30,7 @@ __all__ = [
 SUMMARY = "Bifurcation diagram: points that runs leave on a surface, against a parameter"
 """What the figure shows, for screen readers."""
 
-TOO_FEW = Outcome("fewer crossings than wanted", GREY)
+TOO_FEW = Outcome("fewer crossings than requested", GREY)
 """Of a run that reaches the end time before it has all its points."""
 
 LONGEST_PERIOD = 64
@@ -87,7 +87,7 @@ def period_of(points: Floats, height: float, turn: float = math.inf, least: floa
 
 
 def sweep_text(found: Diagram, present: float) -> str:
-    """Return in words what the diagram shows, and what it shows at the present value of the parameter."""
+    """Return in words what the diagram shows, and what it shows at the current value of the parameter."""
     inputs = found.inputs
     declared = inputs.problem.declaration
     done, whole = int(found.done.sum()), int(found.whole.sum())
@@ -101,7 +101,8 @@ def sweep_text(found: Diagram, present: float) -> str:
         words += f" {whole:,} of them have all their {plural(inputs.points, 'point')}."
     elif done:
         words += f" None of them has all its {plural(inputs.points, 'point')}."
-    said = (words, _at_present(found, present), _nothing_left(found), _refusal(found), prospects(declared))
+    hope = prospects(declared) if found.counts.any() or not done else ""
+    said = (words, _at_present(found, present), _nothing_left(found), _refusal(found), hope)
     return " ".join(filter(None, said))
 
 
@@ -117,7 +118,7 @@ def _at_present(found: Diagram, present: float) -> str:
     height = max(high for _, high in spread) - min(low for low, _ in spread) or 1.0
     points = found.points_at(float(nearest))
     inputs = found.inputs
-    at = f"At {parameter_name(inputs)} = {nearest:.6g}, next to the present value,"
+    at = f"At {parameter_name(inputs)} = {nearest:.6g}, next to the current value,"
     if len(points) < 2:
         return ""
     turn = TURN if inputs.column in angles(inputs.problem.declaration) else math.inf
@@ -175,15 +176,15 @@ def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
     scheme, name, system = inputs.scheme, parameter_name(inputs), inputs.problem.declaration
     crossings = at_surface(met_at_surfaces(system), scheme.locate, scheme.slide and may_slide(system))
     begins = {
-        "none": "each run begins at the start",
+        "none": "each run begins at the initial state",
         "up": "each run begins where that of the next smaller value ends",
         "down": "each run begins where that of the next greater value ends",
     }[inputs.continuation]
-    left = f", without the first {inputs.discard:,}" if inputs.discard else ""
+    left = f", after the first {inputs.discard:,} are discarded" if inputs.discard else ""
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
     line = f"; the dashed line is {name} = {present:.15g}" if inputs.low <= present <= inputs.high else ""
     return printed(
-        f"diagram of {coordinate_name(inputs)} at crossings of "
+        f"shown is {coordinate_name(inputs)} at crossings of "
         f"{surface_words(inputs)}{reset_words(inputs.problem.declaration, inputs.of)}, for {inputs.values:,} values of "
         f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {plural(inputs.points, 'point')} of each{left}, up to "
         f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}; "
@@ -202,7 +203,7 @@ def sweep_numbers(found: Diagram) -> Numbers:
         (_words(code, found.inputs), f"{counts[code]:,}", _places(found.values, places[code]))
         for code in sorted(places, key=lambda code: -counts[code])
     )
-    return Numbers(("runs that end early", "values", name), rows)
+    return Numbers(("runs without all points", "values", name), rows)
 
 
 def _words(code: int, inputs: SweepInputs) -> str:

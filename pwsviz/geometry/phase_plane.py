@@ -29,8 +29,14 @@ from pwsviz.geometry.shades import regions_of
 from pwsviz.geometry.walls import bare_name
 from pwsviz.geometry.window import ARROWS, Window
 
-GRID = 120
-"""Cells along the longer side of the grid on which surfaces and level sets are traced: 6 to 10 pixels each."""
+GRID = 160
+"""Cells along the shorter side of the grid on which surfaces and level sets are traced: 4 to 8 pixels each."""
+
+SLENDER = 3.0
+"""Ratio of the sides from which cells follow the longer side, lest they be too many."""
+
+FINENESS = 10_000
+"""Parts of the shorter side by which a line may be off its vertices: a tenth of a millimetre on a page, at most."""
 
 FINEST = 16
 """Parts of a cell beyond which values are not defined: half a pixel each."""
@@ -45,7 +51,7 @@ LEAST_AREA = 1e-9
 """Area of a region, relative to the window, below which it is a line of the grid on which g = 0."""
 
 FINE = 300
-"""Vertices along the longer side, at least, of a line of which a moving surface hides a part."""
+"""Vertices along the shorter side, at least, of a line of which a moving surface hides a part."""
 
 Columns: TypeAlias = "dict[str, Floats]"
 
@@ -150,17 +156,17 @@ class _Plane:
         self.system = system
         self.window = window
         self.axes = axes
-        self.x, self.y = self._axes(GRID)
+        self.side = max(min(window.width, window.height), window.longest / SLENDER)  # to which lines are fine
+        self.x, self.y = self._axes(self.side / GRID)
         self.grid = self._states(*np.meshgrid(self.x, self.y))
         self.shown = surfaces_shown(system, axes)
         # What several parts of the picture need, computed once:
         self._psi, self._levels = cache(self._conserved), cache(self._level_contours)
         self._inside, self._surface = cache(self._heights), cache(self._traced_surface)
 
-    def _axes(self, count: int) -> tuple[Floats, Floats]:
-        """Return grid lines in x and y: nearly square cells, `count` of them along the longer side."""
+    def _axes(self, cell: float) -> tuple[Floats, Floats]:
+        """Return grid lines in x and y: nearly square cells of about this size."""
         w = self.window
-        cell = max(w.width, w.height) / count
         nx, ny = max(2, round(w.width / cell)), max(2, round(w.height / cell))
         return np.linspace(w.x_low, w.x_high, nx + 1), np.linspace(w.y_low, w.y_high, ny + 1)
 
@@ -220,12 +226,12 @@ class _Plane:
         return None if values is None else self._contours(x, y, values)
 
     def _simplified(self, lines: Floats) -> Floats:
-        """Return lines without the vertices within 1/4000 of the longer side of what is left."""
+        """Return lines without the vertices that are close to what is left (`FINENESS`)."""
         gaps = np.isnan(lines[:, 0])
         kept = gaps.copy()
         kept[1:] |= gaps[:-1]
         kept[:-1] |= gaps[1:]
-        return lines[simplify(lines, max(self.window.width, self.window.height) / 4000, kept)]
+        return lines[simplify(lines, self.side / FINENESS, kept)]
 
     def surface(self) -> Floats:
         """Return the curves g = 0; none of a surface that is no curve in the plane."""
@@ -252,8 +258,7 @@ class _Plane:
 
     def _finely(self, lines: Floats) -> Floats:
         """Return lines with vertices as close as those of a line that a moving surface hides in part."""
-        spacing = max(self.window.width, self.window.height) / FINE
-        return joined((resampled(line, spacing) for line in pieces(lines)), lines.shape[1])
+        return joined((resampled(line, self.side / FINE) for line in pieces(lines)), lines.shape[1])
 
     def rings(self, modes: list[int], outside: bool = False) -> list[list[Floats]]:
         """Return the outlines of regions, or of the plane outside them, each followed by those of its holes."""
@@ -315,7 +320,7 @@ class _Plane:
         """Return the arrows of a region's field in the whole window, and their middles."""
         if not shows_field(self.system):
             return np.empty((0, 2)), np.empty((0, 2))
-        x, y = (values.ravel() for values in np.meshgrid(*self._axes(ARROWS)))
+        x, y = (values.ravel() for values in np.meshgrid(*self._axes(self.window.longest / ARROWS)))
         with np.errstate(all="ignore"):
             field = np.asarray(self.system.field(self.system.laws.name(mode), 0.0, self._states(x, y)))
             u, v = (field[:, self.axes] / np.linalg.norm(field, axis=1, keepdims=True)).T
@@ -324,7 +329,7 @@ class _Plane:
         return lines, np.column_stack([x[flows], y[flows]])
 
     def _arrow_length(self) -> float:
-        return 0.5 * max(self.window.width, self.window.height) / ARROWS
+        return 0.5 * self.window.longest / ARROWS
 
 
 def _finer(lines: Floats, ends: NDArray[np.bool_]) -> Floats:

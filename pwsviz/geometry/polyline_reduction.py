@@ -38,7 +38,8 @@ BITS = 4
 TILE = 1 << BITS
 """Pixels along the side of a tile of such a picture."""
 
-_compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
+_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+_compiled: Any = njit(**_OPTIONS)
 
 
 def simplify(points: Floats, tolerance: float, pinned: Mask | None = None) -> Indices:
@@ -63,14 +64,17 @@ def simplify(points: Floats, tolerance: float, pinned: Mask | None = None) -> In
     One pass: an edge from the last vertex kept is extended as long as all points passed lie within the tolerance of it
     (the cone of admissible directions: Williams, Comput. J. 21, 1978; Sklansky, Gonzalez, Pattern Recogn. 12, 1980).
     It also ends where the curve turns back, so that no point lies beyond its end.
+
+    It is compiled by the import, in a second once on a machine: the field of a system needs it, and is to be seen while
+    its integrators are compiled, which takes longer and excludes other compilation.
     """
     kept = np.empty(len(points), dtype=np.intp)
-    fixed = np.zeros(len(points), dtype=bool) if pinned is None else pinned
+    fixed = np.zeros(len(points), dtype=bool) if pinned is None else np.ascontiguousarray(pinned)
     count = _simplify(np.ascontiguousarray(points), float(tolerance), fixed, kept)
     return kept[:count].copy()
 
 
-@_compiled
+@njit("intp(float64[:, ::1], float64, boolean[::1], intp[::1])", **_OPTIONS)
 def _simplify(points, tolerance, fixed, kept):
     last = points.shape[0] - 1
     kept[0] = anchor = 0
@@ -135,7 +139,7 @@ def screen_path(
         Vertices, with a row of NaN between pieces.
     """
     valid = np.ones(len(points), dtype=bool) if shown is None else shown.copy()
-    fixed = np.zeros(len(points), dtype=bool) if pinned is None else pinned
+    fixed = np.zeros(len(points), dtype=bool) if pinned is None else np.ascontiguousarray(pinned)
     points = np.ascontiguousarray(points)
     box = _bounds(points, valid)
     if valid.all():

@@ -15,7 +15,7 @@ import sympy
 
 import core
 from core.kernels import Floats
-from core.symbolic import TIME
+from core.symbolic import TIME, parse, to_text
 from pwsviz.geometry.shades import region_name
 from pwsviz.text.math_names import variable_name
 
@@ -100,6 +100,14 @@ def surface_name(system: core.PiecewiseSystem) -> str:
     return f"{name} at t = 0" if moves(system) else name
 
 
+def surface_texts(system: core.PiecewiseSystem) -> tuple[str, ...]:
+    """Return the switching functions as text: as they are declared, where one is."""
+    names = (*system.variables, *system.values)
+    declared = (*system.surfaces, *(way.guard for way in system.transitions))
+    texts = {parse(text, names, "g"): text for text in reversed(declared)}
+    return tuple(texts.get(g) or to_text(g) for g in system.laws.surfaces)
+
+
 def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
     """Return the labels of the axes of the portrait."""
     names = list(map(variable_name, system.variables))
@@ -126,7 +134,7 @@ def conserved_note(system: core.PiecewiseSystem) -> str:
         names = f"region{'s' * (len(bare) > 1)} {', '.join(map(region_name, bare))}"
         return f"No conserved quantity is known in {names}: there the curves have gaps."
     most = max(counts.values())
-    return f"Of the {most} conserved quantities, the one with the largest error is shown." if most > 1 else ""
+    return f"The largest |Δψ| of the {most} conserved quantities is drawn at each time." if most > 1 else ""
 
 
 def _others(names: Sequence[Name], axes: Axes) -> list[Name]:

@@ -11,14 +11,14 @@ from contourpy import LineType, contour_generator
 
 import core
 from core.kernels import Floats
-from core.symbolic import TIME, parse, to_text
+from core.symbolic import TIME, parse
 from pwsviz.geometry.line_pieces import joined
 from pwsviz.geometry.window import Window
 from pwsviz.text.math_names import variable_name
 
 __all__ = [
     "TURN", "angles", "coordinate_label", "coordinate_names", "fixed_variables", "in_first_turn", "names_time",
-    "own_surfaces", "seen_as_curves", "surface_curves", "surface_functions", "usual_plane",
+    "seen_as_curves", "surface_curves", "surface_functions", "usual_plane",
 ]  # fmt: skip
 
 GRID = 240
@@ -42,11 +42,6 @@ def coordinate_label(system: core.PiecewiseSystem, k: int) -> str:
 def in_first_turn(system: core.PiecewiseSystem, k: int, values: Floats) -> Floats:
     """Return values of a coordinate as they are shown: those of an angle in the first turn."""
     return np.mod(values, TURN) if k in angles(system) else values
-
-
-def own_surfaces(system: core.PiecewiseSystem) -> tuple[str, ...]:
-    """Return the switching functions of a system as text."""
-    return tuple(map(to_text, system.laws.surfaces))
 
 
 def surface_functions(system: core.PiecewiseSystem, of: str) -> tuple[sympy.Expr, ...]:

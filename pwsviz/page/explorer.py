@@ -17,7 +17,7 @@ from pwsviz.export.endings import endings
 from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.linking import link_portrait
 from pwsviz.page.cover import Cover
-from pwsviz.page.export_dialog import ExportDialog, Piece
+from pwsviz.page.export_dialog import NOT_YET, ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
 from pwsviz.page.help import ABOUT, CITATION, GREETING, GREETING_CSS, Help
 from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, STACK_CSS, TABS_SX, TAGLINE_CSS
@@ -37,6 +37,7 @@ from pwsviz.widgets.announcer import Announcer
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.focus import hand_on
+from pwsviz.widgets.kept import kept
 from pwsviz.widgets.lecture import Lecture
 from pwsviz.widgets.panes import markup_pane, text_pane
 
@@ -54,6 +55,9 @@ ADDRESS_RESTS = 1500
 
 WINDOW_RESTS = 300
 """The same where nothing but the window of the portrait has changed: a pan or zoom costs the server little else."""
+
+LOOKS = {"view", "window"}
+"""Settings that say how a scene is looked at: a complaint about its link stays when they change."""
 
 SOON = 200
 """Milliseconds after which a study is shown to be running; a cached one is delivered before."""
@@ -138,8 +142,10 @@ class Explorer(pn.viewable.Viewer):
         return self.views[self.scene.view]
 
     def _follow(self, *events: Any) -> None:
-        waiting = bool(self._changed_settings)
-        self._changed_settings |= {event.name for event in events}
+        waiting, changed = bool(self._changed_settings), {event.name for event in events}
+        self._changed_settings |= changed
+        if changed - LOOKS:  # the scene is no longer that of the link
+            self.notice.object = ""
         if not waiting:
             self.scheduler.call_soon(self._catch_up)
 
@@ -281,18 +287,23 @@ class Explorer(pn.viewable.Viewer):
     def _pieces(self) -> list[Piece]:
         """Return what can be exported: the run of the portrait, and the view beside it."""
         panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view].title
-        shown, pieces, runs = panel.shown, [Piece("Phase portrait", {}, [])], list[DrawnRun]()
+        shown, pieces, runs = panel.shown, [Piece("Phase portrait", {}, [], lack=NOT_YET)], list[DrawnRun]()
         if shown is not None and shown.inputs == PortraitInputs.of(self.scene):  # else of other settings
             all_runs = drawn_runs(shown.inputs, self.scene.selected, self.results.run)
             tables, runs = {**portrait_tables(all_runs), **drawn_table(shown)}, list(all_runs())
             slid = any(one.run.sliding.any() for one in runs)
             drawn = [panel.portrait.figure]
-            pieces = [Piece("Phase portrait", tables, drawn, slid=slid, endings=endings(runs))]
+            several = len(self.scene.starts) > 1
+            means = panel.portrait.ground.meaning(
+                "the trajectory" + f" from initial state {self.scene.selected + 1}" * several
+            )
+            pieces = [Piece("Phase portrait", tables, drawn, slid=slid, meaning=means, endings=endings(runs))]
         if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
-            return [*pieces, Piece(title, {}, [])]
+            return [*pieces, Piece(title, {}, [], lack=NOT_YET)]
         said = view.how(view.outcome), view.every_start, view.slid, view.free(), view.meaning(view.outcome)
         of_scene = [] if said[0] else [one for one in runs if view.every_start or one.start == self.scene.selected + 1]
-        return [*pieces, Piece(title, view.tables(), view.pictures(), *said, endings(of_scene))]
+        heading = view.heading(view.outcome)
+        return [*pieces, Piece(title, view.tables(), view.pictures(), *said, endings(of_scene), heading=heading)]
 
     def settle(self, timeout: float) -> bool:
         """Wait at most `timeout` seconds; return whether all computations are done. For use without a server."""
@@ -322,14 +333,15 @@ class Explorer(pn.viewable.Viewer):
         """Return the page, whose computations are cancelled when the session ends."""
         pn.state.on_session_destroyed(lambda _context: self.close())
         self._refresh_view()
+        if self.notice.object:  # the address still says what was refused
+            self._write_address()
         self.scheduler.draw_first(FIRST)
         page = make_frame("pwsviz", self._header(), [self._controls], [self], COVER)
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
         page.jscallback(dark_theme=REMEMBER_DARK)
-        self.browser.param.watch(lambda _: self.history.undo(), "undone")
-        self.browser.param.watch(lambda _: self.history.redo(), "redone")
-        self.browser.param.watch(lambda _: self.help.open(), "helped")
+        keys = {"undo": self.history.undo, "redo": self.history.redo, "help": lambda: self.help.open()}
+        self.browser.on_msg(lambda event: keys[event.data]())
         self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large")
         page.main.extend([self.browser, self.lecture, self.announcer])
         pn.state.onload(self._furnish)
@@ -343,16 +355,12 @@ class Explorer(pn.viewable.Viewer):
             self._views.objects = [self.tabs, self.editing, self.export, self.help]
 
     def _header(self) -> list[Any]:
-        undo = pmui.IconButton(
-            icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=(4, 0, 4, 4)
-        )
-        self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "can_undo")
+        undo = pmui.IconButton(icon="undo", description="Undo (Ctrl+Z)", size="small", margin=(4, 0, 4, 4))
         undo.on_click(lambda _: self.history.undo())
-        redo = pmui.IconButton(
-            icon="redo", description="Redo (Ctrl+Y)", disabled=True, size="small", margin=(4, 4, 4, 0)
-        )
-        self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "can_redo")
+        redo = pmui.IconButton(icon="redo", description="Redo (Ctrl+Y)", size="small", margin=(4, 4, 4, 0))
         redo.on_click(lambda _: self.history.redo())
+        self.history.param.watch(kept(undo, disabled=lambda: not self.history.can_undo), "can_undo")
+        self.history.param.watch(kept(redo, disabled=lambda: not self.history.can_redo), "can_redo")
         for button, other in ((undo, redo), (redo, undo)):
             hand_on(button, other)
         export = pmui.Button(

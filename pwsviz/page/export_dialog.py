@@ -51,6 +51,9 @@ setTimeout(() => tell(label), 3000)
 NOT_YET = "not computed yet, or not to its end: its files will be offered here when it is."
 """Words in place of the files of a view."""
 
+NO_PICTURE = "this view has no figure."
+"""Words in place of pictures where there is nothing to be seen."""
+
 
 class Piece(NamedTuple):
     """Something to export: what a view shows."""
@@ -72,6 +75,10 @@ class Piece(NamedTuple):
     """What its axes and lines mean, where their names do not say it."""
     endings: str = ""
     """Which of the runs of the scene ended before the end time."""
+    heading: str = ""
+    """What a caption says that it shows; the title if it is empty."""
+    lack: str = NO_PICTURE
+    """Why there is no figure, if there is none."""
 
     @property
     def origin(self) -> dict[str, Any]:
@@ -162,8 +169,8 @@ class ExportDialog(pn.viewable.Viewer):
         if piece.figures:
             buttons += [self._picture(piece, kind) for kind in KINDS]
             buttons.append(self._copy("Copy full caption", "words", _caption(self.scene, piece)))
-        if not buttons:
-            buttons.append(pmui.Typography(NOT_YET, margin=(8, 8), variant="body2"))
+        else:
+            buttons.append(pmui.Typography(piece.lack, margin=(8, 8), variant="body2"))
         title = pmui.Typography(piece.title, margin=(8, 8), width=170)
         return NamedRow(title, *buttons, group=piece.title, margin=0, sizing_mode="stretch_width")
 
@@ -185,7 +192,7 @@ class ExportDialog(pn.viewable.Viewer):
     def _picture(self, piece: Piece, kind: str) -> Any:
         """Return a button that saves figures as a picture, without the server."""
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
-        captions = {"short": short_caption(self.scene, piece.title, free=piece.free, **piece.origin)}
+        captions = {"short": short_caption(self.scene, piece.heading or piece.title, free=piece.free, **piece.origin)}
         captions["full"] = _caption(self.scene, piece)
         wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
         given = {"wish": {**wish, "captions": captions}, "trouble": self.not_saved, **self._choices}
@@ -236,7 +243,7 @@ def _complaint() -> pmui.Typography:
 
 
 def _caption(scene: Scene, piece: Piece) -> str:
-    words = caption(scene, piece.title, free=piece.free, **piece.origin)
+    words = caption(scene, piece.heading or piece.title, free=piece.free, **piece.origin)
     return f"{words} {piece.meaning}".strip()
 
 

@@ -12,14 +12,17 @@ from pwsviz.widgets.panes import markup_pane
 
 __all__ = ["ABOUT", "CITATION", "FIRST", "GREETING", "GREETING_CSS", "Help"]
 
-ABOUT = "Integrate piecewise smooth systems and see what is conserved: for teaching and research in numerical analysis."
+ABOUT = (
+    "Integrate systems whose law changes on a surface g = 0, and see which integrators keep their conserved "
+    "quantity ψ: for teaching and research."
+)
 """What this is, and for whom."""
 
-FIRST = "New here? Choose an example above, or click in the portrait to start a trajectory there."
+FIRST = "New here? Choose an example above, or click or tap in the portrait to start a trajectory there."
 """The first thing to try; shown until an example is chosen."""
 
 GREETING = (
-    '<p class="greeting">Integrate piecewise smooth systems and see what is conserved. '
+    '<p class="greeting">Integrate systems whose law changes on a surface, and see what is conserved. '
     "Tap in the portrait to start a trajectory; examples are behind ☰.</p>"
 )
 """Both on a narrow screen, above the portrait: the controls are out of sight there. As markup."""
@@ -38,33 +41,33 @@ CITATION = (
 
 _USE = (
     "Click in the portrait to start a trajectory; drag a star to move its start, and press Delete to remove it. "
-    "Double click beside the stars to fit the portrait to the trajectories.",
+    "Double-click beside the stars to fit the portrait to the trajectories.",
     "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor conserve ψ; Runge–Kutta methods (rk) in general "
     "do not, and gauss4 conserves linear and quadratic ψ only.",
     "Each tab beside the portrait answers one question: is ψ conserved, how does the state change in time, what is the "
-    "order, when does the solution cross, what does an error cost, where does it meet a surface, which step sizes "
-    "work, what does a parameter change, what is the scheme.",
+    "order, how exact are the times of crossings, what does an error cost, where does it meet a surface, which step "
+    "sizes work, what does a parameter change, what is the scheme.",
     "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0, in the colours of their "
     "starts. A click there starts a trajectory on the surface, with the conserved quantities of the selected one.",
     "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "
     "once a transient is over. Click in it to set the parameter. Behind “more”: which surface, how many points, and "
     "whether each run continues that of the value before.",
-    "Where both fields point to the surface, the solution slides along it (Filippov), or stops there if that box is "
-    "not ticked; a thick green line shows where, a dashed one where the surface repels.",
+    "Where both fields point to the surface, the solution slides along it (Filippov); the run follows it, or stops "
+    "there if that box is not ticked; a thick green line shows where, a dashed one where the surface repels.",
     "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to see what it means.",
     "Where there are several surfaces, a region is named by the signs of their functions: +− is where the first is "
     "positive and the second negative. Shades tell neighbouring regions apart.",
     "“Write your own …” takes the laws of both sides of a surface, or one law with sign, abs, max and so on, in which "
     "up to six surfaces are found; or, behind “Several surfaces, walls, hysteresis”, the law of each region. Conserved "
     "quantities are checked as you type.",
-    "The address bar holds the whole scene: a link to it restores the scene.",
+    "The address contains the whole scene; opening it restores the scene.",
 )
 
 _KEYS = {
     "?": "this help",
     "Ctrl+Z, Ctrl+Y": "undo, redo",
     "Tab, arrow keys, Enter": "go through the controls, choose, press",
-    "Arrow keys, + and −, 0": "move what a figure shows, zoom it, fit it again: go to the figure with Tab, or click it",
+    "Arrow keys, + and −, 0": "pan, zoom and refit the figure that has keyboard focus",
     "Space": "play or pause the animation, while it is open",
     "L": "lecture mode: full screen and large type, on and off; Esc leaves it",
     "Ctrl+wheel": "zoom a figure around the pointer; the wheel alone scrolls the page",

@@ -12,10 +12,19 @@ from pwsviz.scene.names import LABELS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.words import as_text
 from pwsviz.widgets.focus import hand_on
+from pwsviz.widgets.kept import kept
 from pwsviz.widgets.panes import text_pane
 from pwsviz.widgets.setting_buttons import PRESSED, UNSEEN_LABEL
 
-NUMBERS_SX = {".MuiToggleButton-root": {"paddingX": "12px"}, **PRESSED}
+NUMBERS_SX = {
+    "flexWrap": "wrap", "gap": "4px",
+    ".MuiToggleButton-root.MuiToggleButton-root": {
+        "width": "auto", "paddingX": "12px", "margin": 0, "border": "1px solid var(--mui-palette-divider)",
+        "borderRadius": "4px",
+    },
+    **PRESSED,
+}  # fmt: skip
+"""Each button has a border of its own, since those of a wrapped row are not joined to the row above."""
 
 ASIDE = 0.1
 """Distance of a new start from the selected one in its first coordinate, relative to its largest |coordinate|."""
@@ -39,13 +48,18 @@ class Trajectories(pn.viewable.Viewer):
         self.less.on_click(lambda _: self._try(lambda: scene.remove(scene.selected)))
         for button, other in ((self.more, self.less), (self.less, self.more)):
             hand_on(button, other)
-        scene.param.watch(self._sync, ["starts", "selected"])
-        self._sync()
+        for settle in (
+            kept(self.numbers, options=self._numbers, value=lambda: 1 + min(scene.selected, len(scene.starts) - 1)),
+            kept(self.more, disabled=lambda: len(scene.starts) >= MAX_STARTS),
+            kept(self.less, disabled=lambda: len(scene.starts) == 1),
+            self._forget,
+        ):
+            scene.param.watch(settle, ["starts", "selected"])
 
-    def _sync(self, *_: Any) -> None:
-        count = len(self.scene.starts)
-        self.numbers.param.update(options=list(range(1, count + 1)), value=1 + min(self.scene.selected, count - 1))
-        self.more.disabled, self.less.disabled = count >= MAX_STARTS, count == 1
+    def _numbers(self) -> list[int]:
+        return list(range(1, len(self.scene.starts) + 1))
+
+    def _forget(self, *_: Any) -> None:
         self.message.object = ""
 
     def _select(self, event: Any) -> None:

@@ -10,8 +10,9 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from pwsviz.figures.orbit_lines import OF_OTHERS
 from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
-from pwsviz.figures.style import line_of
+from pwsviz.figures.style import Line, line_of, together
 from pwsviz.results.animation import MET, Frames
 from pwsviz.text.numbers import PRINTED
 from pwsviz.text.words import listed
@@ -68,16 +69,17 @@ export function render({ model, data, el }) {
   }
   const show = () => {
     const there = ways.filter(way => way.t.length > 0)
-    const at = there.map(way => Math.max(0, last(time, way.t)))
-    const since = there.map(way => Math.max(0, last(time - end * model.trail / model.whole, way.t)))
-    const tail = name => there.map((way, k) => way.traced ? Array.from(way[name].slice(since[k], at[k] + 1)) : [])
-    const colour = there.map(way => way.colour)
+    const drawn = [...there.filter(way => !way.chosen), ...there.filter(way => way.chosen)]  // the selected on top
+    const at = drawn.map(way => Math.max(0, last(time, way.t)))
+    const since = drawn.map(way => Math.max(0, last(time - end * model.trail / model.whole, way.t)))
+    const tail = name => drawn.map((way, k) => way.traced ? Array.from(way[name].slice(since[k], at[k] + 1)) : [])
+    const each = (...names) => Object.fromEntries(names.map(name => [name, drawn.map(way => way[name])]))
     const shown = {
       t: there.length > 0 ? time : null,
-      x: there.map((way, k) => way.x[at[k]]), y: there.map((way, k) => way.y[at[k]]),
-      colour, marker: there.map(way => way.marker), size: there.map(way => way.size),
+      x: drawn.map((way, k) => way.x[at[k]]), y: drawn.map((way, k) => way.y[at[k]]),
+      ...each("colour", "alpha", "marker", "size"),
       traced: there.some(way => way.traced),
-      trails: { xs: tail("x"), ys: tail("y"), colour, width: there.map(way => Math.max(2, way.size / 4)) },
+      trails: { xs: tail("x"), ys: tail("y"), ...each("colour", "alpha", "dash", "width") },
     }
     scrub.max = end
     scrub.value = time.toPrecision(4)  // as it is told
@@ -269,7 +271,11 @@ class Player(pn.viewable.Viewer):
         """
         if self.wanted and self.bar is not None:
             count = selected or len(frames)
-            ways = [_way(one, _size(k, count), whose) for k, one in enumerate(frames)]
+            lines = together(line_of(one.method) for one in frames[:count])
+            ways = [
+                _way(one, lines[k % count], k < count) | {"size": _size(k, count), "whose": whose}
+                for k, one in enumerate(frames)
+            ]
             self.bar.param.update(note=without_trail(frames), ways=ways)
 
     def _toggle(self, _event: Any) -> None:
@@ -306,12 +312,15 @@ def _size(index: int, count: int) -> int:
     return max(SMALLEST, first - less * (index % count))
 
 
-def _way(one: Frames, size: int, whose: str) -> dict[str, Any]:
-    """Return frames in the form that the browser takes; arrays are sent as they are, without writing out digits."""
+def _way(one: Frames, line: Line, chosen: bool) -> dict[str, Any]:
+    """Return frames in the form that the browser takes; arrays are sent as they are, without writing out digits.
+
+    The trail has the dash and the width of the curve, so that runs which agree are both seen; of starts that are not
+    `chosen` it is thinner and paler.
+    """
     x, y = one.places.T.copy()
-    line = line_of(one.method)
     return {
         "t": one.t, "x": x, "y": y, "steps": one.steps, "met": list(one.met), "tally": list(one.tally),
-        "whose": whose, "colour": line.colour, "marker": line.marker, "size": size,
-        "traced": one.traced,
+        "traced": one.traced, "chosen": chosen, "colour": line.colour, "marker": line.marker, "dash": list(line.dash),
+        "width": line.width if chosen else OF_OTHERS * line.width, "alpha": 1.0 if chosen else OTHERS_ALPHA,
     }  # fmt: skip

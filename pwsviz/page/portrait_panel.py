@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.portrait_text import figures_of, law_note, portrait_note
+from pwsviz.figures.portrait_text import figures_of, law_note, parted_words, portrait_note
 from pwsviz.figures.summaries import run_lines, run_words
-from pwsviz.geometry.projection import Axes
+from pwsviz.geometry.phase_plane import Backdrop
+from pwsviz.geometry.projection import PLANE, Axes
 from pwsviz.geometry.window import Window
 from pwsviz.page.player import Player
 from pwsviz.page.window_fields import Ends, WindowFields
 from pwsviz.results.orbits import Levels
-from pwsviz.results.requests import InitialValueProblem, RunInputs
+from pwsviz.results.requests import InitialValueProblem, RunInputs, run_inputs
 from pwsviz.results.results import Pictures, PortraitInputs, Results
 from pwsviz.scene.checks import Start
 from pwsviz.scene.scene import Scene
@@ -35,6 +36,16 @@ REST = 1.5
 
 REMIND = 300
 """Milliseconds of computing after which a progress bar appears."""
+
+ROOM = 1.6
+"""Half the width of the plane shown before the first trajectory, relative to the largest coordinate of a start."""
+
+BESIDE = 0.01
+"""Seconds of quiet before field and surface are computed: any at all, so that they do not take turns with what waits
+for compilation."""
+
+FIRST_WAIT = "Compiling the integrators, once on this machine: a minute or two. The trajectory follows …"
+"""What is said meanwhile."""
 
 LONG_WAIT = 1500
 """Milliseconds after that until it is said that the first trajectory has to wait for compilation."""
@@ -96,7 +107,8 @@ class PortraitPanel(pn.viewable.Viewer):
         self._aimed_at: tuple[Any, Any, int] = (None, None, -1)  # system, plane, and loads of the scene
         self._told: Any = None
         self._placed: tuple[dict[str, Any], ...] = ({}, {})  # the starts before and after the last click
-        scene.param.watch(lambda event: None if event.new == self._told else self._aim(), "window")
+        self._fitted: Window | None = None  # what was shown last while the scene had no window
+        scene.param.watch(lambda event: None if event.new == self._told else self._aim(self._fitted), "window")
         self._visible: Window | None = None
         self._covered: Window | None = None  # by the backdrop, since the view was last set
 
@@ -107,6 +119,8 @@ class PortraitPanel(pn.viewable.Viewer):
         if self.scheduler.submit(
             "runs", wanted, lambda cancel, _: self._compute(wanted, window, cancel), self._show, patience=0.1
         ):
+            if self.shown is not None and self.shown.inputs.declaration != wanted.declaration:
+                fade(self.pane, past=True)  # it stays that of another system until the new one is computed
             self.scheduler.call_later(REMIND, self._remind, partial(self.scheduler.busy, "runs", wanted))
         elif self.shown is not None and self.shown.inputs == wanted:
             self._mark_starts()
@@ -122,24 +136,44 @@ class PortraitPanel(pn.viewable.Viewer):
         """Show a progress bar: the portrait has not come yet."""
         self.progress.visible = self.scheduler.busy("runs")
         if self.progress.visible and self.shown is None:
+            self._submit_ground()
             self.scheduler.call_later(LONG_WAIT, self._explain_wait, lambda: self.shown is None)
         if self.progress.visible and self.shown and self.shown.inputs.declaration != self.scene.declaration:
             name = self.scene.declaration.name
             words = f"{name}: compiling its integrators, which takes a few seconds the first time."
             self.status.object, self.note.object = as_text(words), ""
-            fade(self.pane, past=True)
             self._on_wait(words)
+
+    def _submit_ground(self) -> None:
+        """Submit the field and the surface about the starts, which need no compilation: the first trajectory does."""
+        scene, system, starts = self.scene, self.scene.declaration, self.scene.starts
+        if system.dimension != PLANE:  # the plane in which it is looked at follows from a trajectory
+            return
+        window = Window(*scene.window) if scene.window is not None else around(starts)
+        problem = run_inputs(scene)[0].problem
+
+        def show(outcome: Backdrop | Exception) -> None:
+            wanted = self.shown is None and scene.declaration == system
+            if wanted and not isinstance(outcome, Exception):  # of an exception the trajectories tell
+                self.portrait.show_ground(system, outcome, window, starts)
+                fade(self.pane, past=False)
+
+        self.scheduler.submit(
+            "ground", problem, lambda *_: self.results.backdrop(problem, window.surroundings(), ()), show, quiet=BESIDE
+        )
 
     def _explain_wait(self) -> None:
         """Say why the first trajectory takes long: nothing has been compiled on this machine yet."""
         if self.shown is None:
-            self.status.object = as_text("Compiling the integrators, once on this machine: about half a minute …")
+            self.status.object = as_text(FIRST_WAIT)
 
     def _show(self, outcome: Pictures | Exception) -> None:
         self.progress.visible = False
         if isinstance(outcome, Exception):
             self.trouble.object = complaint(outcome)
             self._on_end(failure(outcome))
+            return
+        if outcome.inputs.declaration != self.scene.declaration:  # another system has been chosen since
             return
         self.trouble.object = ""
         fade(self.pane, past=False)
@@ -174,7 +208,13 @@ class PortraitPanel(pn.viewable.Viewer):
         """Write the figures of the selected runs below the portrait, and the warnings if these are known."""
         (runs, found), inputs = self._warnings, shown.inputs
         warnings = found if runs == (*inputs.selected, *inputs.others) else ()
-        self.status.object = as_text(figures_of(shown, warnings), "about") + run_lines(shown.summaries, warnings)
+        self.status.object = "".join(
+            [
+                as_text(figures_of(shown, warnings), "about"),
+                run_lines(shown.summaries, warnings),
+                as_text(parted_words(shown), "stopped"),
+            ]
+        )
 
     def _aim_first(self, shown: Pictures) -> None:
         """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""
@@ -192,13 +232,16 @@ class PortraitPanel(pn.viewable.Viewer):
     def _is_current(self, shown: Pictures) -> bool:
         return bool(shown.inputs == PortraitInputs.of(self.scene))
 
-    def _aim(self) -> None:
-        """Let the view show the window of the scene; without one, what suits the trajectories."""
+    def _aim(self, usual: Window | None = None) -> None:
+        """Let the view show the window of the scene; without one, the usual one or what suits the trajectories."""
         self._told, before, self._covered = self.scene.window, self.portrait.frame, None
-        if self.scene.window is None:
-            self.portrait.fit()
-        else:
+        if self.scene.window is not None:
             self.portrait.look_at(Window(*self.scene.window))
+        elif usual is not None:
+            self.portrait.look_at(usual)
+        else:
+            self.portrait.fit()
+            self._fitted = self.portrait.frame
         if self.portrait.frame != before:  # else the browser, which shows it at equal scales, has nothing to report
             self._visible = None
         self.limits.sync()
@@ -342,8 +385,7 @@ class PortraitPanel(pn.viewable.Viewer):
         """Return the state at a point, rounded to about a pixel; coordinates that are not shown come from `others`."""
         view = self._visible or self.portrait.frame
         assert view is not None  # noqa: S101  (a click needs a picture)
-        assert self.shown is not None  # noqa: S101
-        return at_point(x, y, view, others, self.shown.axes)
+        return at_point(x, y, view, others, self.shown.axes if self.shown is not None else (0, 1))
 
     def _try(self, change: Callable[[], None]) -> None:
         try:
@@ -361,9 +403,15 @@ class PortraitPanel(pn.viewable.Viewer):
         )  # fmt: skip
         return pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
-            self.pane, row, self.limits, self.player, self.trouble, self.note, self.status,
+            self.pane, row, self.limits, self.player, self.trouble, self.status, self.note,
             margin=0, sizing_mode="stretch_width", stylesheets=[NARROW_CSS],
         )  # fmt: skip
+
+
+def around(starts: Sequence[Start]) -> Window:
+    """Return a square about the origin with room for all starts of a system of two variables."""
+    half = ROOM * max((abs(x) for start in starts for x in start), default=0.0) or 1.0
+    return Window(-half, half, -half, half)
 
 
 def at_point(x: float, y: float, view: Window, others: Start, axes: tuple[int, int] = (0, 1)) -> Start:

@@ -36,9 +36,9 @@ METHOD_NOTES = {name: method.doc for name, method in core.METHODS.items()}
 """What each integrator is, for its tooltip."""
 
 AT_SURFACE = {
-    LABELS["locate"]: "End a step on the surface and begin the next one there with the field of "
-    "the other side (Mannshardt), which preserves the order. Otherwise a step across the surface is completed with the "
-    "field of the side on which it began.",
+    LABELS["locate"]: "Split a step at the surface and complete it with the field of the other "
+    "side (Mannshardt), which preserves the order. Otherwise a step across the surface is completed with the field of "
+    "the side on which it began.",
     LABELS["slide"]: "Where both fields point to the surface, go on along it with the combination of both that stays "
     "on it (Filippov), and leave where one of them turns. Otherwise the run ends there, as the paper’s theory does.",
 }

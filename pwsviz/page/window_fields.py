@@ -69,7 +69,7 @@ class WindowFields(pn.viewable.Viewer):
         super().__init__()
         self.scene, self._seen, self._on_fit = scene, seen, on_fit
         self.button = pmui.IconButton(
-            icon="crop_free", size="small", description=SETTINGS["window"], margin=2, on_click=self._toggle
+            icon="straighten", size="small", description=SETTINGS["window"], margin=2, on_click=self._toggle
         )
         self.fields: list[NumberField] = []
         self.box = pn.Row(margin=(0, 8), sizing_mode="stretch_width", visible=False, stylesheets=[ROW_CSS])

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import core
-from pwsviz.figures.order import Studied
+from pwsviz.figures.order import Studied, limits
 from pwsviz.results.requests import RunInputs
 from pwsviz.results.run_summary import Summary
 from pwsviz.text.tables import Numbers
@@ -58,12 +58,14 @@ def slope_numbers(shown: Sequence[Studied]) -> Numbers:
         for one in shown
         for row in one.rows
     )
+    found = limits(shown)
+    above = " to ".join(dict.fromkeys(f"{row.fit_above:.2g}" for row in found)) if found else "round-off"
     first, methods = shown[0], ", ".join(one.method for one in shown)
     sizes = f"{len(first.taus)} step sizes from {first.taus.max():.3g} to {first.taus.min():.2g}"
     return Numbers(
         ("curve", "fitted slope", "fitted where τ is", "error at the largest τ", "at the smallest"),
         cells,
-        f"{methods}, {sizes}; reference: {first.reference}; fits use errors above {first.fit_above:.2g}.",
+        f"{methods}, {sizes}; reference: {first.reference}; fits use errors above {above}.",
     )
 
 

@@ -140,5 +140,5 @@ def _drawn(run: core.Trajectory, axes: Axes, near: Window | None, most: int) -> 
 
 def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:
     """Return what the plot of the conserved quantity marks of a run."""
-    kinds = tuple(str(kind) for kind in run.crossings.kind)
-    return Landmarks(np.ascontiguousarray(in_plane(run.crossings.x, axes)), kinds)
+    met = run.crossings.passed
+    return Landmarks(np.ascontiguousarray(in_plane(met.x, axes)), tuple(map(str, met.kind)))

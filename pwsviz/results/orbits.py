@@ -17,7 +17,7 @@ from pwsviz.geometry.window import Window
 from pwsviz.results.curves import FAR, curve, jump_lines, pixel_size
 from pwsviz.results.requests import RunInputs
 
-__all__ = ["RUNS_OFF", "End", "Levels", "Orbit", "drawn_within", "orbit_of"]
+__all__ = ["PIECES_WITH_LEVELS", "RUNS_OFF", "End", "Levels", "Orbit", "drawn_within", "orbit_of"]
 
 Levels = tuple[tuple[int, tuple[float, ...]], ...]
 """Values of ψ for each region, by its number."""
@@ -31,11 +31,14 @@ FEW_STEPS = 300
 APART = 40.0
 """Pixels that most steps are long if they are marked: three times the mark, on a screen of a third of `RESOLUTION`."""
 
+RETURNED = 3
+"""Consecutive steps that end near earlier ends where a run has returned to its own path; fewer where it crosses it."""
+
 MOST_PLACES = 1000
 """Most places of crossings of one run that are marked: more take a browser too long to paint."""
 
-SEVERAL_LEVELS = 6
-"""Most level sets of ψ drawn through an orbit in each region."""
+PIECES_WITH_LEVELS = 12
+"""Pieces of a run, from its start on, through the beginnings of which level sets of ψ are drawn."""
 
 RUNS_OFF = (
     core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.SINGULAR, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT,
@@ -77,7 +80,9 @@ class Orbit:
     start: tuple[float, float]
     levels: Levels
     steps: Floats
-    """Ends of the steps if they are few, else none."""
+    """Ends of the steps if they are few, until the run returns to its own path; else none."""
+    more_steps: bool
+    """Whether further steps are not marked, though the first are."""
     end: End | None
     """Where and why it stopped early; None if it reached the end time."""
     places: int
@@ -115,6 +120,7 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
     if near is not None:
         points, kinks, within = clipped(points, kinks, near)
     path = screen_path(points, kinks, within, pixel=pixel)
+    steps, more_steps = _steps(run, near, axes)
     return Orbit(
         method=inputs.scheme.method,
         path=path,
@@ -125,7 +131,8 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
         jumps=jump_lines(at[jumped], in_plane(crossings.x_after[jumped], axes)).reshape(-1, PLANE),
         start=(inputs.problem.x0[axes[0]], inputs.problem.x0[axes[1]]),
         levels=_levels(run),
-        steps=_steps(run, near, axes),
+        steps=steps,
+        more_steps=more_steps,
         end=_end(run, axes),
         places=len(apart),
         bare=_bare(run),
@@ -145,13 +152,27 @@ def _part(path: Floats, view: Window) -> Floats:
     return points[within] if within.any() else path[:1]
 
 
-def _steps(run: core.Trajectory, near: Window | None, axes: Axes) -> Floats:
-    """Return the states at the ends of steps, if they are few and far enough apart to be told from one another."""
-    at = in_plane(run.x, axes) if len(run.t) <= FEW_STEPS + 1 else np.empty((0, PLANE))
-    at = at[np.isfinite(at).all(axis=1) & (near.holds(at) if near else True)]
-    apart = APART * pixel_size(at, near)
-    long = np.hypot(*np.diff(at, axis=0).T) > apart
-    return np.ascontiguousarray(at) if 2 * long.sum() > len(long) else np.empty((0, PLANE))
+def _steps(run: core.Trajectory, near: Window | None, axes: Axes) -> tuple[Floats, bool]:
+    """Return the ends of steps, if they are few and most are long, until they return; and whether there are more."""
+    none = np.empty((0, PLANE)), False
+    if len(run.t) > FEW_STEPS + 1:
+        return none
+    at = in_plane(run.x, axes)
+    at = np.ascontiguousarray(at[np.isfinite(at).all(axis=1) & (near.holds(at) if near else True)])
+    length = np.hypot(*np.diff(at, axis=0).T)
+    if 2 * np.count_nonzero(length > APART * pixel_size(at, near)) <= len(length):
+        return none
+    first = at[: _return(at, length)]
+    return first, len(first) < len(at)
+
+
+def _return(at: Floats, length: Floats) -> int:
+    """Return how many places there are before steps end, one after another, within half a step of earlier places."""
+    distance = np.hypot(*(at[1:, None] - at[None, :]).transpose(2, 0, 1))
+    later = np.arange(len(at)) >= np.arange(len(at) - 1)[:, None]  # and the place before, a step away
+    close = np.where(later, np.inf, distance).min(axis=1, initial=np.inf) < 0.5 * length
+    ends = np.flatnonzero(np.convolve(close, np.ones(RETURNED)) == RETURNED)  # of as many in a row
+    return int(ends[0]) - RETURNED + 2 if len(ends) else len(at)
 
 
 def _end(run: core.Trajectory, axes: Axes) -> End | None:
@@ -182,7 +203,7 @@ def _levels(run: core.Trajectory) -> Levels:
 
     They are rounded to what a screen can resolve, so that a change by round-off finds the same backdrop in the cache.
     """
-    modes = np.concatenate([run.mode[:1], run.crossings.mode])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
+    modes = np.concatenate([run.mode[:1], run.crossings.mode])[: min(PIECES_WITH_LEVELS, len(run.entered_t))]
     values, drawn = dict[int, Floats](), shows_levels(run.system)
     for mode in sorted({*modes.tolist()} & {*range(len(run.system.laws.regions))}):
         number = np.flatnonzero(modes == mode)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import core
@@ -149,6 +149,8 @@ class StabilityInputs:
     """Step size of the scene; None for the map, which has many."""
     locate: bool = True
     slide: bool = True
+    around: float | None = None
+    """The coordinate of the start whose trajectory sets the range of starts of the map; None for that of `problem`."""
 
     @classmethod
     def of(cls, scene: Scene) -> StabilityInputs:
@@ -157,12 +159,25 @@ class StabilityInputs:
         coordinate = scene.stability_coordinate if part != "drift" else 0
         tau, end = scene.tau if part != "map" else None, min(scene.t_end, STABILITY_END)
         problem, at_surface = InitialValueProblem.of(scene), (scene.locate, scene.slides)
-        return cls(problem, end, tuple(scene.used), part, coordinate, tau, *at_surface)
+        around = scene.stability_around if part == "map" else None
+        return cls(problem, end, tuple(scene.used), part, coordinate, tau, *at_surface, around)
+
+    def of_limits(self) -> StabilityInputs:
+        """Return what the largest step sizes beside a map depend on: the start itself."""
+        return replace(self, part="largest_tau", around=None)
+
+    def of_map(self) -> StabilityInputs:
+        """Return what the map itself depends on: the start that it is drawn around, whichever start is selected."""
+        if self.around is None:
+            return self
+        start = list(self.problem.x0)
+        start[self.coordinate] = self.around
+        return replace(self, problem=replace(self.problem, x0=tuple(start)), around=None)
 
 
 @dataclass(frozen=True)
 class SweepInputs:
-    """Exactly what one bifurcation diagram depends on: not the present value of its parameter."""
+    """Exactly what one bifurcation diagram depends on: not the current value of its parameter."""
 
     problem: InitialValueProblem
     """With the values of the other parameters."""

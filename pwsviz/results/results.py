@@ -10,6 +10,7 @@ from functools import partial
 from threading import BoundedSemaphore
 
 import core
+from core.studies import STARTS_OF_MAP
 from pwsviz.geometry.first_view import first_plane
 from pwsviz.geometry.phase_plane import Backdrop, backdrop
 from pwsviz.geometry.polyline_reduction import Floats
@@ -19,6 +20,7 @@ from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
 from pwsviz.results.error_curve import ErrorCurve, error_curve
 from pwsviz.results.orbits import Levels, Orbit, drawn_within, orbit_of
+from pwsviz.results.parting import Parting, parting
 from pwsviz.results.requests import (
     CostInputs,
     InitialValueProblem,
@@ -102,6 +104,8 @@ class Pictures:
     orbits: list[Orbit]
     others: list[Orbit]
     summaries: list[Summary]
+    parting: Parting | None = None
+    """From when on the selected runs cannot all follow the solution; None if they may."""
     alongside: Mapping[Axes, Sequence[Orbit]] = field(default_factory=dict)
     """In `planes_alike`, the orbits of the same runs: those of the selected start first, as `orbits` and `others`."""
 
@@ -132,7 +136,7 @@ class Results:
     computed : Counter
         How often each kind of result was computed, not found in the cache: ``"run"``, ``"orbit"``, ``"frames"``,
         ``"landmarks"``, ``"states"``, ``"error"``, ``"curve"``, ``"summary"``, ``"backdrop"``, ``"diagnosis"``,
-        ``"warning"``, ``"study"``, ``"cost"``, ``"stability"``, ``"section"``, ``"sweep"``, ``"plane"``.
+        ``"warning"``, ``"study"``, ``"cost"``, ``"stability"``, ``"limits"``, ``"section"``, ``"sweep"``, ``"plane"``.
     """
 
     def __init__(self, max_bytes: int = 256_000_000) -> None:
@@ -156,6 +160,7 @@ class Results:
             orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.selected[1:])],
             others=[self.orbit(one, near, axes, cancel) for one in inputs.others],
             summaries=[self.summary(one, cancel) for one in inputs.selected],
+            parting=parting({one.scheme.method: self.run(one, cancel) for one in inputs.selected}),
             alongside={
                 plane: [self.orbit(one, near, plane, cancel) for one in runs]
                 for plane in planes_alike(inputs.declaration, axes)
@@ -249,8 +254,8 @@ class Results:
         return self._get("landmarks", (inputs, axes), cancel, lambda: landmarks(self.run(inputs, cancel), axes))
 
     def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
-        """Return (n,) |change of ψ| at each state of a run."""
-        return self._get("error", inputs, cancel, lambda: self.run(inputs, cancel).change_of_psi())
+        """Return (n, m) the error of each ψ at each state of a run, accumulated since the start."""
+        return self._get("error", inputs, cancel, lambda: self.run(inputs, cancel).accumulated_error())
 
     def error_curve(self, inputs: RunInputs, cancel: Cancel = never) -> ErrorCurve:
         """Return the error for the plot against time."""
@@ -328,8 +333,21 @@ class Results:
     def stability(
         self, inputs: StabilityInputs, cancel: Cancel = never, report: Report = silent
     ) -> core.StabilityStudy:
-        """Return a stability study."""
-        return self._in_turn("stability", inputs, cancel, lambda: studied_stability(inputs, self._pool, cancel, report))
+        """Return a part of a stability study; beside the map, the largest step sizes from the start."""
+        if inputs.part != "map":
+            return self._stability(inputs, cancel, report)
+        count = len(inputs.methods)
+        total = count * (1 + STARTS_OF_MAP)
+        limits = self._stability(inputs.of_limits(), cancel, lambda done, _, partial: report(done, total, partial))
+
+        def tell(done: int, _: int, partial: core.StabilityStudy) -> None:
+            report(count + done, total, replace(limits, map=partial.map, complete=False))
+
+        return replace(limits, map=self._stability(inputs.of_map(), cancel, tell).map)
+
+    def _stability(self, inputs: StabilityInputs, cancel: Cancel, report: Report) -> core.StabilityStudy:
+        kind = "limits" if inputs.part == "largest_tau" else "stability"
+        return self._in_turn(kind, inputs, cancel, lambda: studied_stability(inputs, self._pool, cancel, report))
 
     def sweep(self, inputs: SweepInputs, cancel: Cancel = never, report: Report = silent) -> Diagram:
         """Return a bifurcation diagram."""

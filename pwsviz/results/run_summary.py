@@ -8,6 +8,7 @@ import numpy as np
 
 import core
 from core.diagnostics import step_warning
+from core.integration import largest_size
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.shades import shades_of
 from pwsviz.results.requests import RunInputs
@@ -40,13 +41,14 @@ class Summary:
 
 
 def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
-    """Return the figures of a run, of which `error` is |Δψ| at each state."""
+    """Return the figures of a run, of which `error` is the accumulated error of each ψ at each state."""
+    sizes = largest_size(error[shades_of(run.system, run.mode) != 0])
     return Summary(
         method=inputs.scheme.method,
         steps=int(run.steps),
         met=run.tally,
         seconds=float(run.seconds),
-        worst_error=float(np.fmax.reduce(error[shades_of(run.system, run.mode) != 0], initial=np.nan)),
+        worst_error=float(np.fmax.reduce(sizes, initial=np.nan)),
         status=run.status,
         message=on_page(run.outcome) if run.status is not core.Status.COMPLETED else "",
         begins=_beginning(run),

@@ -7,12 +7,14 @@ from concurrent.futures import Executor
 import numpy as np
 
 import core
+from core.studies import default_taus
 from pwsviz.results.requests import CostInputs, StabilityInputs, StudyInputs, sliding_of, transition_of
+from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 
 __all__ = [
-    "STUDY_CROSSINGS", "STUDY_HORIZON", "STUDY_PROBE", "STUDY_TAUS", "studied_cost", "studied_order",
+    "LIMITS_OF_TAU", "STUDY_CROSSINGS", "STUDY_HORIZON", "STUDY_PROBE", "STUDY_TAUS", "studied_cost", "studied_order",
     "studied_stability",
 ]  # fmt: skip
 
@@ -27,6 +29,9 @@ STUDY_HORIZON = 500.0
 
 STUDY_PROBE = 1e-2
 """Step size of the run with which the order study and the comparison of run times look for crossings and the end."""
+
+LIMITS_OF_TAU = tuple(map(float, Scene.param["tau"].bounds))
+"""The least and the largest step size that the page accepts."""
 
 BEFORE_THE_END = 0.9
 """Part of the lifetime of a solution that ends early over which run times are compared."""
@@ -52,7 +57,8 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
         raise Cancelled
     passed = len(run.crossings.passed)
     if passed < 2:
-        found = f"this trajectory has {'one' if passed else 'none'} up to t = {run.t[-1]:g}"
+        slide = " (where it begins to slide)" * ("sliding" in run.crossings.passed.kind[:1])
+        found = f"this trajectory has {f'one{slide}' if passed else 'none'} up to t = {run.t[-1]:g}"
         why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
         raise ValueError(f"An order study needs at least two crossings; {found}.{why}")
     last = passed - 1  # the segment after it is studied, too
@@ -102,15 +108,16 @@ def studied_cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Rep
 
 
 def studied_stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, report: Report) -> core.StabilityStudy:
-    """Compute one part of a stability study; that of the map includes the largest step sizes."""
-    parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
+    """Compute one part of a stability study."""
+    many = inputs.part in ("map", "largest_tau")
     return core.stability_study(
         inputs.problem.build(),
         (0.0, inputs.t_end),
         x0=inputs.problem.x0,
         methods=inputs.methods,
+        taus=default_taus(inputs.t_end, *LIMITS_OF_TAU) if many else None,
         coordinate=inputs.coordinate,
-        parts=parts,
+        parts=(inputs.part,),
         tau=inputs.tau,
         transition=transition_of(inputs.locate),
         sliding=sliding_of(inputs.slide),

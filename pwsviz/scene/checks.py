@@ -150,6 +150,10 @@ def _variable(scene: Scene, _name: str, _: str, value: object) -> int:
     return whole_number(value, "The number of a variable", len(scene.declaration.variables))
 
 
+def _around(_scene: Scene, _name: str, _: str, value: object) -> float | None:
+    return None if value is None else number(value, "The coordinate", -MAX_COORDINATE, MAX_COORDINATE)
+
+
 def _axes(scene: Scene, _name: str, _: str, value: object) -> object:
     return plane(value, scene.declaration.dimension)
 
@@ -186,6 +190,6 @@ _CHECKS: Mapping[str, Callable[[Scene, str, str, object], Any]] = {
     **dict.fromkeys(("section_of", "sweep_of"), _surface),
     "tau": _tau, "t_end": _end, "methods": _methods, "peers": _peers, "system": _system, "values": _values,
     "starts": _starts, "selected": _selected, "axes": _axes, "window": _window, "view": _view,
-    "stability_coordinate": _variable, "section_axes": _section_axes,
+    "stability_coordinate": _variable, "stability_around": _around, "section_axes": _section_axes,
 }  # fmt: skip
 """Setting -> its check; one that is missing here is one of some choices."""

@@ -16,11 +16,11 @@ LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 def equations(system: core.PiecewiseSystem) -> str:
-    """Return the laws of all regions, as “g < 0: x′ = 2y, ψ₋ = …; g > 0: …; g = …”; of equal sides once."""
+    """Return the laws of all regions, as “g < 0: x′ = 2y, ψ₋ = …; g > 0: …; g = …”; one for all as “x′ = …; g = …”."""
     words = {"-": ("g < 0", "-"), "+": ("g > 0", "+")} if system.two_sided else {}
     regions = list(zip(system.laws.regions, system.regions.values(), strict=True))
     if system.two_sided and regions[0][1] == regions[1][1]:
-        words, regions = {regions[0][0].name: ("on both sides", "")}, regions[:1]
+        words, regions = {regions[0][0].name: ("", "")}, regions[:1]
     laws = []
     for mode, region in regions:
         where, side = words.get(mode.name, (f"region {region_name(mode)}", ""))
@@ -32,12 +32,13 @@ def equations(system: core.PiecewiseSystem) -> str:
         conserved = (
             f"{unicode_name(name, name)} = {readable(psi, system)}" for name, psi in zip(names, region.psi, strict=True)
         )
-        laws.append(f"{where}: " + ", ".join([*rates, *conserved]))
+        laws.append(f"{where}: " * bool(where) + ", ".join([*rates, *conserved]))
     names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]
     laws += [f"{name} = {readable(g, system)}" for name, g in zip(names, system.surfaces, strict=True)]
-    laws += [f"reset map at {names[k]} = 0: {_map(jump, system)}" for k, jump in system.jumps.items()]
+    state = f"({', '.join(map(variable_name, system.variables))})"
+    laws += [f"reset map at {names[k]} = 0: {state} ↦ {_map(jump, system)}" for k, jump in system.jumps.items()]
     for way in system.transitions:
-        jump = f", reset map {_map(way.jump, system)}" if way.jump else ""
+        jump = f", reset map {state} ↦ {_map(way.jump, system)}" if way.jump else ""
         laws.append(f"{way.mode} to {way.to} where {readable(way.guard, system)} = 0{jump}")
     return "; ".join(laws)
 

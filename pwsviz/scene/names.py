@@ -19,7 +19,8 @@ LABELS: Mapping[str, str] = {
     "view": "View", "study_method": "Integrator of the view", "peers": "External solvers",
     "cost_across": "Horizontal axis of Cost", "cost_up": "Vertical axis of Cost",
     "stability_part": "Part of Stability", "stability_shown": "Colours of the map",
-    "stability_coordinate": "Coordinate of Stability", "sweep_parameter": "Parameter",
+    "stability_coordinate": "Coordinate of Stability", "stability_around": "Start that the map is drawn around",
+    "sweep_parameter": "Parameter",
     "sweep_range": "Range of the parameter", "sweep_coordinate": "Coordinate",
     "sweep_of": "Surface of the diagram: h(t, x) = 0", "sweep_direction": "Direction of crossing",
     "sweep_continuation": "Continuation", "sweep_values": "Values", "sweep_points": "Points per value",
@@ -32,7 +33,7 @@ LABELS: Mapping[str, str] = {
 
 EXTERNAL_SOLVERS = {"scipy": "SciPy", "heyoka": "heyoka"}
 COST_ACROSS = {"seconds": "run time", "evaluations": "evaluations"}
-COST_UP = {"state": "state error", "time": "crossing time error", "invariant": "error of ψ"}
+COST_UP = {"state": "state error", "time": "crossing-time error", "invariant": "error of ψ"}
 STABILITY_PARTS = {"map": "Map", "drift": "Long run", "grazing": "Near grazing"}
 SWEEP_CONTINUATIONS = {"none": "from the start", "up": "continued upwards", "down": "continued downwards"}
 STABILITY_SHOWN = {"outcome": "outcome", "error": "|Δψ|"}
@@ -51,7 +52,7 @@ _CHOICES = {
 
 
 def short_name(parameter: core.Parameter) -> str:
-    """Return the symbol of a parameter in Unicode (a₋, ω²₊), or its name where Unicode cannot express the symbol."""
+    """Return the symbol of a parameter in Unicode (a₋, ω₊²), or its name where Unicode cannot express the symbol."""
     return unicode_name(parameter.symbol, parameter.name)
 
 

@@ -124,6 +124,8 @@ def _text(scene: Scene, key: str) -> str:
             return "auto" if value is None else ",".join(variables[k] for k in value)
         case "window" | "sweep_range":
             return "auto" if value is None else ",".join(map(_decimal, value))
+        case "stability_around":
+            return "auto" if value is None else _decimal(value)
         case "stability_coordinate":
             return str(variables[value])
         case "locate" | "slide" | "order_all" | "section_map":
@@ -338,6 +340,8 @@ def _take(scene: Scene, key: str, text: str) -> None:
             value = None if text == "auto" else tuple(_index(name, variables) for name in text.split(","))
         case "window" | "sweep_range":
             value = None if text == "auto" else tuple(map(_number, text.split(",")))
+        case "stability_around":
+            value = None if text == "auto" else _number(text)
         case "stability_coordinate":
             value = _index(text, variables)
         case "section_axes":

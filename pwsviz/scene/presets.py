@@ -63,9 +63,9 @@ def _field_types() -> tuple[Preset, ...]:
             {**common, "system": "type_downward", "starts": above},
         ),
         Preset(
-            "vf_repelling", "Field types: unstable", figure,
+            "vf_repelling", "Field types: repelling", figure,
             "Both fields point away from y = 0: trajectories beside the line leave it, and none crosses.",
-            "Type a start with y = 0: the solution may leave to either side, so the run stops at once and says so.",
+            "Type a start with y = 0: the solution may leave to either side, so the run stops at once and reports it.",
             {**common, "system": "type_repelling", "starts": beside},
         ),
         Preset(
@@ -83,7 +83,7 @@ def _portraits() -> tuple[Preset, ...]:
         Preset(
             "portrait_harmonic", "Portrait: oscillator", "fig:portraits",
             "Circular arcs above y = 0 join elliptic arcs below it: closed curves whose curvature jumps on the line.",
-            "Drag a start, or set ω²₋ = ω²₊: the jump disappears.",
+            "Set ω₋² = ω₊²: the jump in curvature disappears.",
             {**common, **_OSCILLATOR, "starts": ((0.5, 0.5), (1.0, 1.0), (1.5, 1.5))},
         ),
         Preset(
@@ -96,11 +96,13 @@ def _portraits() -> tuple[Preset, ...]:
 
 
 def _time_errors() -> tuple[Preset, ...]:
-    look = "The error of the crossing time has slope 2 at crossings 10, 20 and 30: its size grows, its order stays."
+    look = (
+        "The error of the crossing time has slope 2 at crossings 10, 20 and 30: it grows, but the order stays the same."
+    )
     return (
         Preset(
             "harmonic_time", "Crossing time: oscillator", "fig:harmonic_timeError", look,
-            "Choose dmm4: slope 4. Do not locate crossings: large, scattered errors of a slope near 1.",
+            "Choose dmm4: slope 4. Do not locate crossings: large, scattered errors that decrease only about as τ.",
             {**_OSCILLATOR_STUDY, "view": "time"},
         ),
         Preset(
@@ -118,7 +120,7 @@ def _transitions() -> tuple[Preset, ...]:
         2: ("Crossing times are perturbed by τ², which is of the order of the method’s own error: the slope stays 2.",
             "Choose p = 1: the order falls to 1."),
         15: ("Crossing times are perturbed by τ¹⁵, which is negligible: the slope is 2 before and after 30 crossings.",
-             "Do not locate crossings: after the first one the errors scatter, and their slope is near 1."),
+             "Do not locate crossings: after the first crossing the errors scatter, and decrease only about as τ."),
     }  # fmt: skip
     systems = (
         ("harmonic", "oscillator", _OSCILLATOR_STUDY),
@@ -156,7 +158,7 @@ def _stopping() -> tuple[Preset, ...]:
     return (
         Preset(
             "grazing", "Touching the surface", "",
-            "Three swings of a pendulum towards α = 0.5: one falls short, one crosses, and one just touches and ends.",
+            "Three swings of a pendulum towards α = 0.5: one falls short, one crosses, one touches it and ends.",
             "Move the start that touches, or α, by 10⁻⁶: the swing falls short or crosses.",
             {
                 "system": "pendulum", "starts": ((-0.35, 0.0), (-0.65, 0.0), (-0.5, 0.0)),
@@ -165,8 +167,8 @@ def _stopping() -> tuple[Preset, ...]:
         ),
         Preset(
             "zeno", "A ball comes to rest", "",
-            "Bounces follow ever faster and accumulate at t = 1.3553 (Zeno): the run stops there and says so.",
-            "Raise ε to 0.8: the time of all bounces, proportional to (1 + ε)/(1 − ε), triples.",
+            "Bounces follow ever faster and accumulate at t = 1.3553 (Zeno): the run stops there and reports it.",
+            "Raise ε to 0.8: the time until it rests, proportional to (1 + ε)/(1 − ε), triples.",
             {"system": "bouncing_ball", "methods": ["dmm2"], "tau": 0.01, "t_end": 5.0, "view": "conserved"},
         ),
         Preset(
@@ -188,8 +190,8 @@ def _comparisons() -> tuple[Preset, ...]:
         ),
         Preset(
             "kepler", "A planet and a shell of dust", "",
-            "Outside the shell its mass attracts, too; prk8 conserves energy and angular momentum to 3×10⁻¹⁵, "
-            "rk4 does not.",
+            "Outside the shell its mass attracts, too; prk8 conserves energy and angular momentum to "
+            "within 3×10⁻¹⁵, rk4 does not.",
             "Set μ₊ = μ₋: the shell has no mass, and the planet stays on one Kepler ellipse.",
             {"system": "kepler", "methods": ["rk4", "prk8"], "tau": 0.01, "t_end": 60.0, "view": "conserved"},
         ),
@@ -222,8 +224,8 @@ def _several_surfaces() -> tuple[Preset, ...]:
         ),
         Preset(
             "chua", "Chua’s double scroll", "",
-            "Two surfaces divide the space in three. The orbit is chaotic: rk4 and taylor differ by 0.1 at t = 44.",
-            "Halve τ: they differ by 0.1 some 12 later, and at the next halving some 14 later.",
+            "Two surfaces, three regions. The orbit is chaotic: rk4 and taylor differ by 0.1 at t = 44.",
+            "Halve τ: they differ by 0.1 about 12 time units later; halve it again: about 14 later still.",
             {
                 "system": "chua", "methods": ["rk4", "taylor"], "tau": 0.02, "t_end": 60.0, "view": "state",
                 "axes": (0, 2),
@@ -236,7 +238,7 @@ def _sections() -> tuple[Preset, ...]:
     settings: dict[str, Any] = {"methods": ["taylor"], "tau": 1.0, "tolerance": 1e-10, "view": "section"}
     return (
         Preset(
-            "henon_heiles_section", "Poincaré section of Hénon and Heiles", "",
+            "henon_heiles_section", "Poincaré section of the Hénon–Heiles system", "",
             "Orbits of energy 1/8 at x = 0: islands in a chaotic sea, as without the wall: the potential is even in x.",
             "Click on the section: orbits of the same energy. Zoom into the edge of an island.",
             {
@@ -262,8 +264,7 @@ def _sweeps() -> tuple[Preset, ...]:
     return (
         Preset(
             "vibrating_table_sweep", "A bouncing ball: from order to chaos", "",
-            "The ball comes to rest, or bounces at speed π; at a = 1.527 every second bounce differs, and near 1.71 "
-            "chaos begins.",
+            "Bounces accumulate, or recur at speed π; at a = 1.527 the period doubles, and near 1.71 chaos begins.",
             "Click at a = 1.3 and 1.72. Behind “more”, continue downwards: one bounce a period lasts down to a = π/3.",
             {
                 **settings, "system": "vibrating_table", "values": {"a": 1.3, "restitution": 0.5}, "axes": (1, 2),
@@ -301,7 +302,7 @@ def _frozen(preset: Preset) -> Preset:
 PRESETS: Mapping[str, Preset] = MappingProxyType({
     preset.key: _frozen(preset)
     for group in (
-        _field_types, _portraits, _time_errors, _transitions, _conserved, _stopping, _comparisons, _several_surfaces,
+        _conserved, _portraits, _field_types, _time_errors, _transitions, _stopping, _comparisons, _several_surfaces,
         _sections, _sweeps,
     )
     for preset in group()

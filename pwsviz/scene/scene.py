@@ -44,7 +44,9 @@ END_TIMES = {"vibrating_table": 12.0, "type_upward": 40.0, "type_downward": 40.0
 PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8, 15)
 """Offered orders p of the perturbation c·τᵖ of crossing times; None for no perturbation."""
 
-_PLAIN_STUDIES: Mapping[str, Any] = {"stability_coordinate": 0, "section_of": "", "section_axes": None, **AFRESH}
+_PLAIN_STUDIES: Mapping[str, Any] = {
+    "stability_coordinate": 0, "stability_around": None, "section_of": "", "section_axes": None, **AFRESH,
+}  # fmt: skip
 """What another system resets of the views: it has other variables."""
 
 
@@ -98,6 +100,9 @@ class Scene(param.Parameterized):
     stability_part: Any = param.Selector(default="map", objects=list(STABILITY_PARTS))
     stability_shown: Any = param.Selector(default="outcome", objects=list(STABILITY_SHOWN), doc="Colours of the map.")
     stability_coordinate = param.Integer(default=0, bounds=(0, None), doc="The variable along the map's other axis.")
+    stability_around: Any = param.Number(
+        default=None, doc="Its value at the start around which the map is drawn; None: at the selected start."
+    )
     section_of = param.String(default="", doc="h of the section, as `core` reads it; empty: the switching surfaces.")
     section_direction: Any = param.Selector(
         default=0, objects=list(SECTION_DIRECTIONS), doc="1: crossings where h rises, −1: where it falls, 0: both."
@@ -262,6 +267,11 @@ class Scene(param.Parameterized):
         if not self._no_defaults:
             self.window = None
 
+    @param.depends("starts", "selected", "stability_coordinate", watch=True)
+    def _map_afresh(self) -> None:
+        if not self._no_defaults:
+            self.stability_around = None
+
     @param.depends("sweep_parameter", watch=True)
     def _sweep_afresh(self) -> None:
         if not self._no_defaults:
@@ -298,6 +308,20 @@ class Scene(param.Parameterized):
         starts = list(self.starts)
         starts[index] = accepted_start(self, start)
         self.param.update(starts=tuple(starts), selected=index)
+
+    def choose_on_map(self, tau: float, value: float) -> None:
+        """Take a step size and a coordinate of the start from the stability map, which stays as it is.
+
+        Raises
+        ------
+        ValueError
+            As `accept`; the step size is taken first.
+        """
+        coordinate, around = self.stability_coordinate, self.stability_around
+        drawn_around = self.x0[coordinate] if around is None else around
+        self.accept("tau", tau)
+        self.accept(f"x0.{coordinate}", value)
+        self.stability_around = drawn_around
 
     def remove(self, index: int) -> None:
         """Remove one trajectory; ValueError if it is the last one."""

@@ -18,7 +18,7 @@ class View(NamedTuple):
 
 
 _ORDER = ("study_method", "order_all")
-_STABILITY = ("stability_part", "stability_shown", "stability_coordinate")
+_STABILITY = ("stability_part", "stability_shown", "stability_coordinate", "stability_around")
 _SECTION = (
     "section_of", "section_direction", "section_axes", "section_points", "section_discard", "section_map",
 )  # fmt: skip

@@ -12,8 +12,9 @@ from bokeh.application.application import Application, SessionContext
 from bokeh.application.handlers.handler import Handler
 from bokeh.document import Document
 from bokeh.server.views.ws import WSHandler
+from panel.io import document as messages
 
-__all__ = ["send_messages_at_once", "send_pages_at_once"]
+__all__ = ["send_every_message", "send_messages_at_once", "send_pages_at_once"]
 
 LOADING = 0.1
 """Seconds from a page to its session, whose making stops the server: until then the browser fetches the scripts."""
@@ -33,6 +34,26 @@ def send_messages_at_once() -> None:
         handler.set_nodelay(True)
 
     WSHandler.open = open_without_delay  # type: ignore[method-assign]
+
+
+@cache
+def send_every_message() -> None:
+    """Let Panel keep no message back that it has put off because the connection was in use.
+
+    A task sends such messages, and opens the way for others when the browser has taken them. If that comes just before
+    the next message is put off, its own task finds the way open, takes this to mean that all has been sent, and ends:
+    the browser would see the last change only together with the next one.
+    """
+    dispatch = getattr(messages, "_dispatch_msgs", None)
+    if dispatch is None:  # another version of Panel sends messages in another way
+        return
+
+    async def dispatch_what_waits(document: Document) -> None:
+        if document in messages._WRITE_MSGS:
+            messages._WRITE_BLOCK[document] = True
+        await dispatch(document)
+
+    messages._dispatch_msgs = dispatch_what_waits
 
 
 def send_pages_at_once() -> None:

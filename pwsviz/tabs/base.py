@@ -19,7 +19,7 @@ from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers, table_markup
 from pwsviz.text.words import as_text, complaint
-from pwsviz.widgets.panes import FADED, PLAIN, empty, fade, is_seen, plot_pane, text_pane
+from pwsviz.widgets.panes import FADED, PLAIN, empty, fade, is_seen, leave_out, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
 
 _WAITING = "Computing …"
@@ -66,6 +66,7 @@ class Tab(pn.viewable.Viewer):
         self.shown: Hashable = None
         self.built = False
         self.plots: list[pn.pane.Bokeh] = []
+        self._hidden: list[pn.pane.Bokeh] = []  # figures that show nothing, as the computation has failed
         self._summaries: list[str] = []
         self._content = pn.Column(self.words, margin=0, sizing_mode="stretch_width")
 
@@ -86,6 +87,10 @@ class Tab(pn.viewable.Viewer):
     def draw(self, outcome: Outcome) -> str:
         """Draw a whole or a partial result, and return it in words."""
         raise NotImplementedError
+
+    def details(self, outcome: Outcome) -> str:
+        """Return in words how a result was made and what its terms mean, for a paler paragraph; none by default."""
+        return ""
 
     def numbers(self, outcome: Outcome) -> Sequence[Numbers]:
         """Return the figures of a whole or partial result as tables, shown below the plot; none by default."""
@@ -108,6 +113,10 @@ class Tab(pn.viewable.Viewer):
     def slid(self) -> bool:
         """Whether one of the runs from the selected start slides."""
         return any(bool(self.results.run(one).sliding.any()) for one in run_inputs(self.scene))
+
+    def heading(self, outcome: Outcome) -> str:
+        """Return what the figures show, to be followed by “of the system” in captions; empty if that is the title."""
+        return ""
 
     def free(self) -> str:
         """Return the parameter that has many values in the figures; empty if none has."""
@@ -156,6 +165,7 @@ class Tab(pn.viewable.Viewer):
             if self._drawn is not self._system:  # nothing will take the place of what they show of another system
                 for pane in self.plots:
                     empty(pane)
+            self._hide([pane for pane in self.plots if not is_seen(pane)])
             return
         self.outcome, self.shown = outcome, inputs
         self._show(outcome)
@@ -193,14 +203,24 @@ class Tab(pn.viewable.Viewer):
     def _show(self, outcome: Outcome) -> None:
         """Draw a result, show it in figures and words below the plot, and give the words to screen readers."""
         self._drawn = self._system
-        words = self.draw(outcome)
-        self._say("".join(map(table_markup, self.numbers(outcome))) + as_text(words))
-        self._describe(words)
+        self._hide([])
+        words, details = self.draw(outcome), self.details(outcome)
+        tables = "".join(map(table_markup, self.numbers(outcome)))
+        self._say(tables + as_text(words) + as_text(details, "about"))
+        self._describe(f"{words} {details}".strip())
 
     def _describe(self, words: str) -> None:
         """Give screen readers the summary of each figure, and the words below it."""
         for pane, summary in zip(self.plots, self._summaries, strict=True):
             describe(pane.object, f"{summary}. {words}")
+
+    def _hide(self, empty_ones: Sequence[pn.pane.Bokeh]) -> None:
+        """Let empty figures take no room, so that the reason stands where the figure would; and others again."""
+        for pane in self._hidden:
+            leave_out(pane, False)
+        self._hidden = [pane for pane in empty_ones if pane.visible]
+        for pane in self._hidden:
+            leave_out(pane)
 
     def _waits(self) -> bool:
         return bool(self.words.object == as_text(_WAITING))

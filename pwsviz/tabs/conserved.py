@@ -20,6 +20,7 @@ from pwsviz.results.error_curve import ErrorCurve
 from pwsviz.results.requests import ErrorInputs, run_inputs
 from pwsviz.tabs.base import Tab
 from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.widgets.panes import leave_out
 
 
 class ErrorPicture(NamedTuple):
@@ -32,7 +33,7 @@ class ErrorPicture(NamedTuple):
     """Why no step was made, where none was."""
 
 
-DEFINED = "|Δψ| is the change of ψ since the start; jumps of ψ from one law to the next do not count."
+DEFINED = "|Δψ| is the change of ψ since the start, without the changes that the system itself makes at crossings."
 """What the axis shows, in a line; captions say more."""
 
 
@@ -73,19 +74,29 @@ class ConservedTab(Tab):
         drawn = system.laws.most_conserved > 0
         slides = any(np.isfinite(curve.error[curve.sliding]).any() for curve in outcome.curves)
         there = not outcome.unmoved and (drawn or slides)
-        self.plots[0].visible = there
+        leave_out(self.plots[0], not there)
         if there:
             self.view.show(outcome.curves, outcome.marks)
-        said = f"{conserved_text(outcome.curves)} {DEFINED * drawn}".strip() if there else ""
+        said = conserved_text(outcome.curves) if there else ""
         if outcome.unmoved:
             said = f"No step was made, so there is no |Δψ| to show. The run ended at once, at {outcome.unmoved}"
         elif slides and not drawn:
-            return f"{said} Shown is |Δg| while sliding, as no conserved quantity is known."
+            return f"{said} Shown is |Δg| while sliding, as no conserved quantity is known.".strip()
         return f"{said} {conserved_note(system)}".strip()
+
+    def details(self, outcome: ErrorPicture) -> str:
+        """Return what the axis shows."""
+        return DEFINED * (outcome.system.laws.most_conserved > 0 and not outcome.unmoved)
+
+    def heading(self, outcome: ErrorPicture) -> str:
+        """Return whether the figure shows the error of ψ, or that of g while sliding."""
+        known = outcome.system.laws.most_conserved > 0
+        return "Error of the conserved quantity" if known else "Change of g along the sliding motion"
 
     def meaning(self, outcome: ErrorPicture) -> str:
         """Return what the axis and the lines show, for captions."""
-        return f"{meaning(outcome.curves)} {conserved_note(outcome.system)}".strip()
+        note = conserved_note(outcome.system) * (outcome.system.laws.most_conserved > 0)
+        return f"{meaning(outcome.curves)} {note}".strip()
 
     def tables(self) -> Tables:
         """Return the drift of every integrator at its own steps, and its crossings."""

@@ -10,13 +10,13 @@ import panel as pn
 import core
 from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
-from pwsviz.figures.cost import CostView, compared_with, cost_numbers, cost_rows, cost_text
+from pwsviz.figures.cost import MEANING, CostView, compared_with, cost_numbers, cost_rows, cost_text, timed_how
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS, met_at_surfaces
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import at_surface
+from pwsviz.text.words import at_surface, listed
 from pwsviz.widgets.choices import SEEN_NAME, Choices
 from pwsviz.widgets.setting_buttons import choice
 
@@ -57,7 +57,7 @@ class CostTab(LongTab):
         return [EXTERNAL_SOLVERS[key] for key in self.scene.peers]
 
     def draw(self, outcome: core.WorkPrecision) -> str:
-        """Draw the curves and return in words which integrator is fastest."""
+        """Draw the curves and return in words what they are."""
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         across, up = self.scene.cost_across, self.scene.cost_up
         self.view.show(outcome, across, up)
@@ -73,11 +73,24 @@ class CostTab(LongTab):
         return [cost_numbers(outcome, self.scene.cost_across, self.scene.cost_up)]
 
     def how(self, outcome: core.WorkPrecision) -> str:
-        """Return what the runs do at crossings, and what they are compared with."""
+        """Return what the runs do at crossings, what they are compared with, and how they are timed."""
         scene = self.scene
         slides = scene.slides and outcome.met.slides > 0
         crossings = at_surface(met_at_surfaces(scene.declaration), scene.locate, slides)
-        return f"{compared_with(outcome)}; step sizes and tolerances are those of the points; {crossings}"
+        by = f"integrated by {listed([curve.title for curve in outcome.curves])}; {compared_with(outcome)}"
+        peers = [curve.title for curve in outcome.curves if curve.peer]
+        verbs = ("locates", "restarts") if len(peers) == 1 else ("locate", "restart")
+        crossings += f"; {listed(peers)} {verbs[0]} them as events and {verbs[1]} there" * bool(peers)
+        runs = f"{by}; step sizes and tolerances are those of the points; {crossings}"
+        return f"{runs}. {timed_how(outcome)}"
+
+    def heading(self, outcome: core.WorkPrecision) -> str:
+        """Return what diagram it is."""
+        return "Work–precision diagram"
+
+    def meaning(self, outcome: core.WorkPrecision) -> str:
+        """Return what the errors are, for captions."""
+        return MEANING[self.scene.cost_up]
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 
@@ -23,7 +24,7 @@ from pwsviz.figures.order import (
     studied,
     time_rows,
 )
-from pwsviz.figures.summaries import fit_rule, study_text, study_times
+from pwsviz.figures.summaries import fit_rule, slopes_text, study_text, study_times
 from pwsviz.results.requests import StudyInputs, study_inputs
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.names import met_at_surfaces
@@ -31,6 +32,7 @@ from pwsviz.tabs.base import LongTab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import at_surface, listed, perturbation
+from pwsviz.widgets.panes import leave_out
 from pwsviz.widgets.setting_buttons import choice
 
 Studies = tuple[core.OrderStudy, ...]
@@ -84,7 +86,14 @@ class OrderTab(LongTab):
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         shown = studied(outcome, self._rows)
         self.view.show(shown)
-        words = study_text(shown, any(one.crossings != STUDY_CROSSINGS for one in outcome))
+        errors = [row.error for one in shown for row in one.rows]
+        exact = any(np.isfinite(error).any() for error in errors) and not any((error > 0).any() for error in errors)
+        leave_out(self.plots[0], exact)  # zeros have no place on its axis
+        return " ".join(filter(None, [slopes_text(shown), *self._left_out(outcome)]))
+
+    def details(self, outcome: Studies) -> str:
+        """Return with what is compared and when, what is fitted, and whether crossing times are perturbed."""
+        words = study_text(studied(outcome, self._rows), any(one.crossings != STUDY_CROSSINGS for one in outcome))
         scene, moved = self.scene, ""
         if scene.locate and scene.perturbation_order is not None:
             moved = (
@@ -92,7 +101,7 @@ class OrderTab(LongTab):
             )
         times = self._times(outcome)
         times += " The end time has no effect here." * bool(times)
-        return " ".join(filter(None, [words, moved, times, *self._left_out(outcome)]))
+        return " ".join(filter(None, [words, moved, times]))
 
     def _times(self, outcome: Studies) -> str:
         return study_times(outcome[0], self._rows is state_rows, self.slid)
@@ -114,6 +123,10 @@ class OrderTab(LongTab):
     def tables(self) -> Tables:
         """Return the errors over the step sizes, and the fits."""
         return order_tables(studied(self.outcome, self._rows)) if self.outcome is not None else {}
+
+    def heading(self, outcome: Studies) -> str:
+        """Return which error converges."""
+        return "Convergence of the state" if self._rows is state_rows else "Convergence of crossing times"
 
     def how(self, outcome: Studies) -> str:
         """Return the integrators, what they do at crossings, and what they are compared with."""

@@ -15,12 +15,12 @@ from pwsviz.export.files import Table
 from pwsviz.export.script import section_program
 from pwsviz.figures.section import SectionView
 from pwsviz.figures.section_text import section_how, section_rows, section_text
+from pwsviz.geometry.projection import surface_texts
 from pwsviz.geometry.section_crossings import is_one_way
 from pwsviz.geometry.section_plane import (
     angles,
     coordinate_names,
     names_time,
-    own_surfaces,
     seen_as_curves,
     usual_plane,
 )
@@ -47,6 +47,9 @@ NOT_AT = (
     "start by a click."
 )
 """Why a click on a section over time starts nothing."""
+
+FIRST_POINTS = "A number marks the first point of each start."
+"""What the discs in the figure are."""
 
 KINDS = {"Section": False, "Return map": True}
 
@@ -130,7 +133,7 @@ class SectionTab(LongTab):
     def _offer(self, *_: Any) -> None:
         """Offer the surfaces and the coordinates of the system."""
         scene, system = self.scene, self.scene.declaration
-        own = own_surfaces(system)
+        own = surface_texts(system)
         if system.two_sided:
             options = {"S: g = 0": ""}
         else:
@@ -193,17 +196,25 @@ class SectionTab(LongTab):
         if over_time and names_time(system, scene.section_of):
             return NOT_AT
         turns = [coordinate_names(system)[k] for k in self.plane if k in angles(system)]
-        several = len(own_surfaces(system)) > 1 and not scene.section_of
+        several = len(surface_texts(system)) > 1 and not scene.section_of
         curved = bool(seen_as_curves(system, scene.section_of, self.plane))
         of = "the surface of the nearest point" if several else "the surface"
         on = f" nearby, on {of}" if curved else f" there{f', on {of}' * several}"
         note = f" {listed(turns)} {'is' if len(turns) == 1 else 'are'} shown modulo 2π." if turns else ""
         at = ", at t = 0" if over_time else ""
-        return f"A click starts a trajectory{on}{at}. A number marks the first point of each start.{note}"
+        return f"A click starts a trajectory{on}{at}. {FIRST_POINTS}{note}"
 
     def table(self) -> Table | None:
         """Return a row for each point."""
         return section_rows(self.outcome) if self.outcome is not None else None
+
+    def heading(self, outcome: SectionPoints) -> str:
+        """Return whether it is the section, or its return map."""
+        return "Return map" if self.scene.section_map else "Poincaré section"
+
+    def meaning(self, outcome: SectionPoints) -> str:
+        """Return what the numbers in the figure are, for captions."""
+        return "" if self.scene.section_map else FIRST_POINTS
 
     def how(self, outcome: SectionPoints) -> str:
         """Return the surface and the integrator."""

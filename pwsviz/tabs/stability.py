@@ -23,6 +23,15 @@ from pwsviz.text.tables import Numbers
 from pwsviz.text.words import at_surface, complaint, listed
 from pwsviz.widgets.setting_buttons import choice
 
+HEADINGS = {"map": "Outcomes of runs", "drift": "Error of ψ in long runs", "grazing": "Crossings near grazing"}
+"""What a caption says of each part, to be followed by “of the system”."""
+
+SUCCESSFUL = (
+    "A step size is successful if the run has the crossings of the reference, ends as it does and, by a conservative "
+    "integrator, changes ψ by at most 10⁻¹⁰ of the size of its terms."
+)
+"""Of the lines in the map."""
+
 
 class StabilityTab(LongTab):
     """The map of outcomes, the drift in long runs, and runs that almost touch the surface."""
@@ -79,14 +88,21 @@ class StabilityTab(LongTab):
         return self.scene.declaration.laws.most_conserved > 0
 
     def draw(self, outcome: core.StabilityStudy) -> str:
-        """Draw the chosen part and return it in words."""
+        """Draw the chosen part and return it in words; those of the map are details of its tables."""
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         self._offer()
         scene = self.scene
         coloured: Shown = scene.stability_shown if self._knows_psi else "outcome"
         self.view.show(outcome, scene.stability_part, scene.selected_method, coloured)
         self.view.mark(scene.tau, scene.x0[outcome.coordinate])
-        return f"{stability_text(outcome, scene.stability_part)} {about_crossings(scene)}".strip()
+        return "" if scene.stability_part == "map" else self._made(outcome)
+
+    def details(self, outcome: core.StabilityStudy) -> str:
+        """Return in words what the map is made of."""
+        return self._made(outcome) if self.scene.stability_part == "map" else ""
+
+    def _made(self, outcome: core.StabilityStudy) -> str:
+        return f"{stability_text(outcome, self.scene.stability_part)} {about_crossings(self.scene)}".strip()
 
     def numbers(self, outcome: core.StabilityStudy) -> Sequence[Numbers]:
         """Return the figures of the part shown."""
@@ -95,27 +111,38 @@ class StabilityTab(LongTab):
     def _go(self, tau: float, value: float) -> None:
         """Take the step size and the start on which the user clicked, rounded to what a screen resolves."""
         try:
-            self.scene.accept("tau", float(f"{tau:.3g}"))
-            self.scene.accept(f"x0.{self.scene.stability_coordinate}", float(f"{value:.4g}"))
+            self.scene.choose_on_map(float(f"{tau:.3g}"), float(f"{value:.4g}"))
         except ValueError as reason:
-            self.words.object = complaint(reason)
+            self.redraw()  # without the last complaint
+            self.words.object = f"{complaint(reason)}{self.words.object}"
 
     def tables(self) -> Tables:
         """Return the tables of the part shown."""
         return stability_tables(self.outcome, self.scene.stability_part) if self.outcome is not None else {}
 
+    def heading(self, outcome: core.StabilityStudy) -> str:
+        """Return what the part shown is about."""
+        return HEADINGS[self.scene.stability_part]
+
+    def meaning(self, outcome: core.StabilityStudy) -> str:
+        """Return which runs are successful, for captions of the map, whose lines are named so."""
+        return SUCCESSFUL if self.scene.stability_part == "map" else ""
+
     def how(self, outcome: core.StabilityStudy) -> str:
         """Return what is drawn of the part shown, and how it was integrated."""
         scene, part = self.scene, self.scene.stability_part
-        which = f"map of {scene.selected_method}" if part == "map" else f"{listed(scene.used)}, τ = {scene.tau:.15g}"
+        lined = f"map of {scene.selected_method}, lines of {listed(outcome.methods)}"
+        which = lined if part == "map" else f"{listed(scene.used)}, τ = {scene.tau:.15g}"
         system = scene.declaration
         crossings = at_surface(met_at_surfaces(system), scene.locate, scene.slides and may_slide(system))
         return f"{which}, to t = {outcome.t_span[1]:.6g}; {crossings}. {stability_text(outcome, part)}".rstrip(".")
 
-    def picture(self) -> figure | None:
-        """Return the figure of the part shown."""
-        return self.view.figure(self.scene.stability_part) if self.view is not None else None
+    def pictures(self) -> list[figure]:
+        """Return the figure of the part shown, if it shows anything."""
+        plot = self.view.figure(self.scene.stability_part) if self.view is not None else None
+        return [plot] if plot is not None and self.tables() else []
 
     def program(self) -> str:
         """Return the lines that repeat the study."""
-        return stability_program(self.scene, self.inputs())
+        drawn = self.outcome.map if self.outcome is not None and self.shown == self.inputs() else None
+        return stability_program(self.scene, self.inputs(), drawn)

@@ -12,7 +12,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, portrait_tables
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.state import StateView, panel_text, state_text
+from pwsviz.figures.state import StateView, panel_text, state_text, whose_marks
 from pwsviz.figures.style import describe
 from pwsviz.geometry.projection import Axes, in_plane
 from pwsviz.results.requests import ErrorInputs, run_inputs
@@ -75,6 +75,14 @@ class StateTab(Tab):
             names, curves = self.outcome.first.system.variables, self.outcome.curves
             for k, pane in enumerate(self._panels.objects):
                 describe(pane.object, panel_text(variable_name(names[k]), curves, k))
+
+    def heading(self, outcome: StatePicture) -> str:
+        """Return that the state is drawn over time."""
+        return "Time evolution"
+
+    def meaning(self, outcome: StatePicture) -> str:
+        """Return whose crossings are marked, for captions."""
+        return whose_marks(outcome.curves)
 
     def pictures(self) -> list[figure]:
         """Return all panels."""

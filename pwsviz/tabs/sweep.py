@@ -120,6 +120,10 @@ class SweepTab(LongTab):
         """Return a row for each point, and a row for each value."""
         return sweep_tables(self.outcome) if self.outcome is not None else {}
 
+    def heading(self, outcome: Diagram) -> str:
+        """Return what diagram it is."""
+        return "Bifurcation diagram"
+
     def free(self) -> str:
         """Return the parameter that is swept."""
         parameter = swept_parameter(self.scene)

@@ -8,8 +8,8 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from pwsviz.geometry.projection import surface_texts
 from pwsviz.geometry.section_crossings import is_one_way
-from pwsviz.geometry.section_plane import own_surfaces
 from pwsviz.scene.names import LABELS, SWEEP_CONTINUATIONS, SWEEP_DIRECTIONS, readable, short_name
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.sweeping import swept_coordinate, swept_parameter, swept_range
@@ -120,7 +120,7 @@ class SweepControls(pn.viewable.Viewer):
     def _surfaces(self) -> dict[str, str]:
         """Return the surfaces offered: their functions by what the list says."""
         system = self.scene.declaration
-        texts = {f"{readable(g, system)} = 0": g for g in own_surfaces(system)}
+        texts = {f"{readable(g, system)} = 0": g for g in surface_texts(system)}
         if len(texts) == 1:
             return {f"S: {next(iter(texts))}": "", "another function …": OTHER}
         return {"all surfaces": "", **texts, "another function …": OTHER}

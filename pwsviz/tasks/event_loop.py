@@ -91,8 +91,9 @@ class Delivery:
             self._add_next()
 
     def _add_next(self) -> None:
-        if not self._waiting.empty():  # else `run` has called it, or an earlier tick will
-            self.document.add_next_tick_callback(self._apply)  # type: ignore[union-attr]
+        if self._session_has_ended() or self._waiting.empty():  # empty: `run` has called it, or an earlier tick will
+            return
+        self.document.add_next_tick_callback(self._apply)  # type: ignore[union-attr]
 
     def _apply(self) -> None:
         """Call back all that waits, and send the changes in one message: the browser paints each figure once."""
@@ -103,6 +104,10 @@ class Delivery:
                     self._early.append(show)
                 else:
                     show()
+
+    def _session_has_ended(self) -> bool:
+        """Whether Bokeh has destroyed the document, which then refuses callbacks."""
+        return self.document is not None and self.document.session_context is None
 
     def _being_built(self) -> bool:
         """Whether a browser is connected and has not yet reported that the page is complete."""

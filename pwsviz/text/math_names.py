@@ -93,13 +93,16 @@ def default_name(name: str) -> str:
 
 
 def unicode_name(latex: str, otherwise: str) -> str:
-    """Return the LaTeX of a symbol in Unicode (a₋, ω²₊, x₁), or another name where Unicode cannot express it."""
+    """Return the LaTeX of a symbol in Unicode (a₋, ω₊², x₁), or another name where Unicode cannot express it."""
     text = re.sub(r"\\([A-Za-z]+)", lambda found: greek_unicode.get(found[1], found[0]), latex)
     low = rf"_(?:\{{({_LOW}+(?:,{_LOW}+)*)\}}|({_LOW})(?!\w))"
     text = re.sub(low, lambda found: (found[1] or found[2]).translate(_LOWERED), text)
     text = re.sub(r"_\{(\w+)\}", r"_\1", text)  # not all letters can be lowered
     for part, character in _UNICODE.items():
         text = text.replace(part, character)
+    text = re.sub(
+        f"([²³])([{''.join(map(chr, set(_LOWERED.values())))}]+)", r"\2\1", text
+    )  # as where one is below the other
     return otherwise if set(text) & set("\\{}^") else text
 
 

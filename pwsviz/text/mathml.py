@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 
 import sympy
 from sympy import Expr, Symbol
+from sympy.printing.latex import LatexPrinter
 from sympy.printing.printer import Printer
 
 import core
@@ -28,6 +29,7 @@ __all__ = [
     "latex",
     "markup",
     "names_of",
+    "ordered",
     "too_long",
 ]
 
@@ -100,7 +102,7 @@ def latex(expression: Shown, names: Names | None = None) -> str:
     if any(map(too_long, _parts(shown))):
         return rf"\text{{{TOO_LONG}}}"
     written = {s: (names or {}).get(s, default_name(s.name)) for s in shown.free_symbols}
-    return str(sympy.latex(_explicit(shown), symbol_names=written))
+    return str(_LatexPrinter({"symbol_names": written, "fold_frac_powers": True}).doprint(_explicit(shown)))
 
 
 def _one(shown: Shown) -> Any:
@@ -203,6 +205,13 @@ def _identity(difference: DividedDifference) -> Expr:
     return found[difference.phi]
 
 
+class _LatexPrinter(LatexPrinter):
+    """sympy's printer, with the terms of a sum in the order in which they are typeset."""
+
+    def _as_ordered_terms(self, expr: Any, order: str | None = None) -> list[Any]:
+        return ordered(expr)
+
+
 class _Printer(Printer):
     """The recursion of `markup`; every method returns one MathML element."""
 
@@ -247,7 +256,7 @@ class _Printer(Printer):
 
     def _print_Add(self, u: Any) -> str:  # noqa: N802
         text = ""
-        for k, term in enumerate(_ordered(u)):
+        for k, term in enumerate(ordered(u)):
             negative = _negative(term)
             shown = self._in_brackets(-term if negative else term, term.is_Add or (-term).is_Add)
             text += ("<mo>−</mo>" if negative else "<mo>+</mo>" * (k > 0)) + shown
@@ -340,7 +349,7 @@ def _negative(u: Any) -> bool:
     return bool(coefficient.is_number and coefficient.is_real and coefficient < 0)
 
 
-def _ordered(u: Any) -> list[Any]:
+def ordered(u: Any) -> list[Any]:
     """Return the terms by descending degree, within a degree those without a minus first; a positive one leads."""
     terms = sorted(u.as_ordered_terms(), key=lambda term: (-_degree(term), _negative(term)))  # stable
     first = next((k for k, term in enumerate(terms) if not _negative(term)), 0)

@@ -40,7 +40,7 @@ const printed = text => {  // a single number, as `printed` in Python
 
 def shortest(value: float) -> str:
     """Return the shortest text that determines a number: its digits, or a ratio as 100/7 where these are many."""
-    digits = repr(value)
+    digits = repr(value).removesuffix(".0")
     if len(digits) <= MANY_DIGITS or not math.isfinite(value):
         return digits
     ratio = Fraction(value).limit_denominator(LARGEST_DENOMINATOR)

@@ -24,11 +24,15 @@ def listed(names: Sequence[str]) -> str:
 
 
 def at_surface(met: str, locate: bool, slide: bool, order: int | None = None, scale: float = 1.0) -> str:
-    """Return what integrators do at a surface: whether they locate what is `met` there, perturb and slide."""
-    words = f"{met} {'located by the transition scheme' if locate else 'not located'}"
+    """Return what integrators do at a surface: whether they locate what is `met` there, perturb and slide.
+
+    Where nothing but jumps is met, the law is the same on both sides of them: no transition scheme is needed.
+    """
+    located = "located on the steps of the integrator itself" if met == "jumps" else "located by the transition scheme"
+    words = f"{met} {located if locate else 'not located'}"
     if locate and order is not None:
         words += f", their times perturbed by {perturbation(order, scale)}"
-    return words + "; where the surface attracts, sliding along it (Filippov)" * slide
+    return words + "; on attracting parts of the surface, Filippov’s sliding solution is followed" * slide
 
 
 def perturbation(order: int, scale: float) -> str:

@@ -186,13 +186,14 @@ tone_figures(ON_DARK)
 
 
 class Browser(pn.custom.JSComponent):
-    """Invisible: tells whether the window is narrow or dark, counts keys for undo, redo, help, writes the address."""
+    """Invisible: tells whether the window is narrow or dark, and of keys for undo, redo, help; writes the address.
+
+    Each of these keys is a message of its own, “undo”, “redo” or “help”: changes of a setting are reported every 50 ms,
+    and a key that is held comes more often.
+    """
 
     narrow = param.Boolean(default=False)
     dark = param.Boolean(default=False)
-    undone = param.Integer(default=0)
-    redone = param.Integer(default=0)
-    helped = param.Integer(default=0)
     query = param.String(default="", doc="The query in the address bar.")
 
     _esm = (
@@ -216,11 +217,10 @@ export function render({ model }) {
     const typing = event.composedPath().some(node => node.tagName == "INPUT" && node.type == "text"
       || node.tagName == "TEXTAREA")
     const key = event.key.toLowerCase()
-    if (key == "?" && !typing) { model.helped += 1 }
+    if (key == "?" && !typing) { model.send_msg("help") }
     if (typing || !(event.ctrlKey || event.metaKey) || !(key == "z" || key == "y" && !event.shiftKey)) return
     event.preventDefault()
-    if (key == "z" && !event.shiftKey) model.undone += 1
-    else model.redone += 1
+    model.send_msg(key == "z" && !event.shiftKey ? "undo" : "redo")
   }
   document.addEventListener("keydown", press)
   FIND
@@ -236,11 +236,13 @@ export function render({ model }) {
     document.removeEventListener("keydown", press)
     document.removeEventListener("keydown", keep_focus, { capture: true })
   })
-  model.on("query", () => {
+  const write = () => {
     const address = new URL(window.location.href)
     address.search = model.query
     window.history.replaceState(window.history.state, "", address)
-  })
+  }
+  model.on("query", write)
+  if (model.query != "") write()  // the scene is not what the link asked for
 }
 """.replace("NARROW", str(NARROW))
         .replace("IS_DARK", IS_DARK)

@@ -11,6 +11,9 @@ KEY = "l"
 LARGER = 1.5
 """Factor of the size of all type, and in figures of the lines and marks."""
 
+REST = "7.6rem"
+"""CSS height that a figure leaves free on the screen, for the header and the player; what is told is below it."""
+
 LOOK_AGAIN = 400
 """Milliseconds between looks for figures that have come since."""
 
@@ -48,6 +51,7 @@ export function render({ model }) {
     if (on == model.large) return
     model.large = on
     document.documentElement.style.fontSize = on ? `${100 * LARGER}%` : ""
+    document.documentElement.style.setProperty("--rest", on ? "REST" : "")
     clearInterval(timer)
     if (on) {
       enlarge()
@@ -78,5 +82,6 @@ export function render({ model }) {
 }
 """.replace("LARGER", str(LARGER))
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
+        .replace("REST", REST)
         .replace("KEY", KEY)
     )

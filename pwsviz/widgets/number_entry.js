@@ -12,8 +12,14 @@ function render({ model, el }) {
   const [label, entry, about, note, slider] = ["label", "input", "span", "p", "input[type=range]"]
     .map(name => el.querySelector(name))
 
-  const fill = () => {  // only when the text changes: what is being typed stays, and can be undone by its own keys
-    entry.value = model.text.replaceAll("-", "\u2212")  // the sign that the page prints; typed, both are understood
+  let typing = false  // the entry holds what was not sent yet
+  let sent = model.answered  // number of the last text that was sent
+  const fill = () => {  // only with the answer to the last text: no late answer to another replaces what was typed since
+    if (!typing && model.answered == sent) {
+      const selected = entry.matches(":focus") && entry.selectionStart == 0 && entry.selectionEnd == entry.value.length
+      entry.value = model.text.replaceAll("-", "\u2212")  // the sign that the page prints; typed, both are understood
+      if (selected) entry.select()  // what is typed next is to replace all of it
+    }
     write()
   }
   const write = () => {
@@ -42,7 +48,8 @@ function render({ model, el }) {
   let typed = false  // since the page was loaded: what was refused is then said where it is seen
   const take = () => {
     typed = true
-    model.text = entry.value
+    typing = false
+    model.send_msg({ number: ++sent, text: entry.value })
     if (model.complaint) {  // the same words would not be announced again, nor sent: they go for a moment
       note.textContent = "\u00a0"
       setTimeout(write, AGAIN)
@@ -59,13 +66,20 @@ function render({ model, el }) {
     sliding = false
     write()
   }
+  const leave = () => {
+    typing = false
+    fill()
+  }
+  entry.addEventListener("input", () => { typing = true })
   entry.addEventListener("change", take)
+  entry.addEventListener("blur", leave)  // after "change", if there is one
   slider.addEventListener("input", slide)
   for (const name of ["change", "blur", "pointerup"]) slider.addEventListener(name, rest)
-  for (const name of ["said", "label", "description", "note", "complaint", "disabled", "ends", "place", "bounds", "value"]) {
+  for (const name of ["said", "description", "note", "complaint", "disabled", "ends", "place", "bounds", "value"]) {
     model.on(name, write)
   }
-  model.on("text", fill)
+  for (const name of ["text", "answered"]) model.on(name, fill)
+  model.on("label", leave)  // it is the field of another number now
   fill()
 }
 

@@ -29,11 +29,16 @@ def at_once(show: Callable[[], None]) -> None:
 
 
 class NumberEntry(pn.custom.JSComponent):
-    """What the browser shows of a number: a text entry, and below it a slider, which tells the number."""
+    """What the browser shows of a number: a text entry, and below it a slider, which tells the number.
+
+    The server alone sets `text`; what a person types comes as a message with a number. So the browser knows to which
+    text an answer belongs, and a late one does not replace what was typed since.
+    """
 
     label = param.String(default="", doc="Name shown.")
     description = param.String(default="", doc="What the number is, shown when the field is pointed at or entered.")
-    text = param.String(default="", doc="The text of the entry.")
+    text = param.String(default="", doc="The text of the entry, once all that was typed is answered.")
+    answered = param.Integer(default=0, doc="Number of the last typed text that was accepted or refused.")
     said = param.String(default="", doc="The number as it is printed, which the slider tells.")
     note = param.String(default="", doc="The value of the text, where it is not a plain number.")
     complaint = param.String(default="", doc="Why the text is refused.")
@@ -44,7 +49,7 @@ class NumberEntry(pn.custom.JSComponent):
     value = param.Number(default=0.0, doc="The number.")
 
     _debounce = SLIDER_RESTS
-    _busy__ignore: ClassVar[list[str]] = ["text", "place"]  # Panel's list of what it is busy with is shown nowhere
+    _busy__ignore: ClassVar[list[str]] = ["place"]  # Panel's list of what it is busy with is shown nowhere
     _bundle = "number_entry.js"  # fetched once by the browser, and not sent with every field
     _stylesheets: ClassVar[list[str]] = [FIELD_CSS]
 
@@ -89,8 +94,8 @@ class NumberField(pn.viewable.Viewer):
             label=label, description=description, sizing_mode="stretch_width", margin=0, **self._track(bounds, read())
         )
         self.sync()
-        self.entry.param.watch(lambda event: self._take(event.new, self._show_typed), "text")
-        self.entry.param.watch(lambda event: self._take(self._from_slider(event.new), self._show_slid), "place")
+        self.entry.on_msg(lambda event: self._hear(**event.data))
+        self.entry.param.watch(lambda event: self._slide(event.new), "place")
 
     def _track(self, bounds: tuple[float, float] | None, value: float) -> dict[str, Any]:
         """Return ends and place of the slider for these bounds, at a value."""
@@ -130,21 +135,32 @@ class NumberField(pn.viewable.Viewer):
         value = 10.0**place if self._log else place
         return float(f"{value:.{SLIDER_DIGITS}g}")
 
-    def _take(self, value: object, show: Callable[[object], None]) -> None:
+    def _hear(self, text: str, number: int) -> None:
+        self.type(text)
+        self.entry.answered = number
+
+    def type(self, text: str) -> None:
+        """Take a text as if it were typed into the entry."""
+        try:
+            self._accept(text)
+        except ValueError as reason:
+            self._tell(text=text, complaint=self._refusal(reason), note="")
+        else:
+            self._show(self._read(), typed=text)
+
+    def _refusal(self, reason: ValueError) -> str:
+        """Return why a text is refused, and the number that is used still."""
+        return f"{printed(str(reason)).rstrip('.')}. Still in use: {self.entry.said}."
+
+    def _slide(self, place: float) -> None:
         if self._syncing:
             return
         try:
-            self._accept(value)
+            self._accept(self._from_slider(place))
         except ValueError as reason:
-            self._tell(complaint=printed(str(reason)), note="")
+            self._tell(complaint=self._refusal(reason), note="")
         else:
-            show(value)
-
-    def _show_typed(self, value: object) -> None:
-        self._show(self._read(), typed=str(value))
-
-    def _show_slid(self, _: object) -> None:
-        self._later(self._show_present)
+            self._later(self._show_present)
 
     def _show_present(self) -> None:
         self._show(self._read())
@@ -176,7 +192,7 @@ class NumberField(pn.viewable.Viewer):
 def _told(value: float, typed: str = "") -> dict[str, Any]:
     """Return what the field says of a number: a formula that was typed, or a ratio, with its value beside."""
     text = typed.strip() if typed and not _is_decimal(typed) else shortest(value)
-    said = printed(repr(value))
+    said = printed(repr(value).removesuffix(".0"))
     note = "" if _is_decimal(text) or text == said else f"= {said}"
     return {"text": text, "said": said, "note": note, "complaint": "", "value": value}
 

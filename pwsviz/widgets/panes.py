@@ -84,6 +84,14 @@ def is_seen(pane: pn.pane.Bokeh) -> bool:
     return bool(pane.styles.get("visibility") != EMPTY["visibility"])
 
 
+def leave_out(pane: pn.pane.Bokeh, out: bool = True) -> None:
+    """Let a figure take no room, or again take it.
+
+    The figure is told first: the pane takes each property that has its default, such as being visible, from there.
+    """
+    pane.object.visible = pane.visible = not out
+
+
 def fade(pane: pn.pane.Bokeh, past: bool) -> None:
     """Fade a figure that shows an outdated result, if it shows any, or show it plainly.
 

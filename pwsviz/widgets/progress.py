@@ -59,7 +59,7 @@ class Progress(pn.viewable.Viewer):
     def begin(self, former: bool = False) -> None:
         """Show that a computation has begun, of unknown length; `former`: and that a former result is still seen."""
         self._bar.param.update(object=_bar("the computation"), visible=True)
-        self._say("preparing …" + former * " (below: the former result)", cancellable=True)
+        self._say("preparing …" + former * " (the previous result is shown below)", cancellable=True)
 
     def advance(self, done: int, total: int) -> None:
         """Show how many of all parts are done."""

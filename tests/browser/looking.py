@@ -67,10 +67,15 @@ def canvas(page, figure):
     return page.get_by_role("img", name=re.compile(figure)).locator("canvas").first
 
 
+RUN = re.compile(r"\d steps?, ")
+"""In the figures of a run, which are shown with its curve; field, surface and starts may be there before."""
+
+
 def await_painted(page, figure, colours=30):
-    """Wait until a figure has lines on it, told by the many shades that smooth lines bring."""
+    """Wait until runs are shown and a figure has lines on it, told by the many shades that smooth lines bring."""
     drawing = canvas(page, figure)
     drawing.wait_for()
+    page.get_by_text(RUN).first.wait_for()
     for _ in moments(page):
         if drawing.evaluate(COLOURS) >= colours:
             return drawing

@@ -122,7 +122,8 @@ def controls(page):
 
 def test_every_view_and_dialog_shows_itself_without_violating_wcag(inspected):
     page = inspected
-    for rules in (None, ["color-contrast"]):  # in the dark only colours differ
+    wide = page.viewport_size["width"] >= NARROW
+    for rules in (None, ["color-contrast"])[: 1 + wide]:  # in the dark only colours differ, on a phone as elsewhere
         for name in ("Animate", "Limits of the portrait"):
             page.get_by_role("button", name=name).click()
         page.get_by_role("textbox", name="Top end").wait_for()
@@ -135,7 +136,7 @@ def test_every_view_and_dialog_shows_itself_without_violating_wcag(inspected):
             page.get_by_role("tab", name=tab).click()
             page.get_by_role("tabpanel", name=tab).wait_for()
             page.get_by_text(re.compile(words)).locator("visible=true").first.wait_for()
-            assert_without_objections(page, "tabpanel", rules)
+            assert_without_objections(page, "tabpanel", rules if wide else ["target-size"])
             assert page.evaluate(UNPRINTED) == [], tab
         for name, ready in (("Export & share", "Copy the link"), ("Help", "How to use it")):
             look_at_dialog(page, name, ready, rules)
@@ -281,19 +282,19 @@ def test_fields_take_formulas_sliders_tell_their_numbers_and_undo_is_the_fields_
     page = visit()
     await_painted(page, "Phase portrait")
     await_built(page)
-    for name, told in (("a₋", "−3.0"), ("Step size τ", "0.01")):
+    for name, told in (("a₋", "−3"), ("Step size τ", "0.01")):
         slider = page.get_by_role("slider", name=f"{name}, slider")
         sync_api.expect(slider).to_have_attribute("aria-valuetext", told)
     slider.press("ArrowRight")
     sync_api.expect(slider).not_to_have_attribute("aria-valuetext", "0.01")
     assert slider.get_attribute("aria-valuetext") == field(page, "Step size τ").input_value()
 
-    for typed, shown in (("-2.5", "−2.5"), ("−3", "−3.0")):
+    for typed, shown in (("-2.5", "−2.5"), ("−3", "−3")):
         type_into(page, "a₋", typed)
         sync_api.expect(field(page, "a₋")).to_have_value(shown)
     end = field(page, "End time")
     type_into(page, "End time", "2^3/4")
-    page.get_by_text("= 2.0", exact=True).wait_for()
+    page.get_by_text("= 2", exact=True).wait_for()
     assert end.input_value() == "2^3/4"
     type_into(page, "End time", "two")
     page.get_by_text("“two” is not a number").wait_for()
@@ -307,11 +308,28 @@ def test_fields_take_formulas_sliders_tell_their_numbers_and_undo_is_the_fields_
     page.keyboard.press("End")
     page.keyboard.type("7")
     page.keyboard.press("Control+z")
-    sync_api.expect(end).to_have_value("3.0")
+    sync_api.expect(end).to_have_value("3")
     assert field(page, "Step size τ").input_value() == "0.02"
     page.get_by_role("tab", name="Order").focus()
     page.keyboard.press("Control+z")
     sync_api.expect(field(page, "Step size τ")).not_to_have_value("0.02")
+
+
+def test_each_press_of_undo_and_of_redo_counts_however_fast_they_come(visit):
+    page = visit()
+    tau = field(page, "Step size τ")
+    for text in ("0.02", "0.03", "0.04"):
+        type_into(page, "Step size τ", text)
+        page.wait_for_timeout(1000)  # or the next change would be undone together with it
+    page.evaluate("() => document.activeElement.blur()")
+    for key, button, text in (("z", "Undo", "0.01"), ("y", "Redo", "0.04")):
+        page.evaluate(
+            """key => [1, 2, 3].forEach(() => document.dispatchEvent(
+                new KeyboardEvent("keydown", { key, ctrlKey: true, bubbles: true, composed: true })))""",
+            key,
+        )
+        sync_api.expect(tau).to_have_value(text)
+        sync_api.expect(page.get_by_role("button", name=button)).to_be_disabled()
 
 
 def test_what_a_field_refuses_is_said_each_time_and_on_screen(visit):

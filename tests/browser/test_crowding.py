@@ -14,7 +14,7 @@ ZOOM = """factor => {
 }"""
 """Shows the first part of the time in the conserved quantity."""
 
-NARROW, SOME = "some sides not shaded: too many changes", " (not all marked)"
+NARROW, SOME = "brief stays not shaded", " (some)"
 
 
 def labels(page):
@@ -42,6 +42,14 @@ def test_the_legend_says_of_marks_that_some_are_left_out(visit):
     page = visit(query="v=2&system=bouncing_ball")
     await_painted(page, "Phase portrait")
     await_labels(page, lambda found: f"jump{SOME}" in found)
+
+
+def test_the_legend_says_so_where_successive_crossings_are_too_close_in_time_to_be_marked(visit):
+    page = visit(query="v=2&t_end=60")
+    await_painted(page, "Absolute change of the conserved quantity")
+    await_labels(page, lambda found: "crossing" in found and f"crossing{SOME}" in found)
+    page.evaluate(ZOOM, 10)
+    await_labels(page, lambda found: "crossing" in found and f"crossing{SOME}" not in found)
 
 
 def test_marks_of_two_integrators_at_one_place_count_as_one(visit):

@@ -5,6 +5,7 @@ import io
 import re
 import zlib
 from itertools import combinations
+from math import ceil
 
 import numpy as np
 import pytest
@@ -66,12 +67,33 @@ def test_files_of_the_portrait_and_of_the_drift_hold_every_curve_that_is_painted
     assert {row["integrator"] for row in drift} == {"dmm2", "rk2"}
 
 
+PARTS = """async words => {
+    const path = "components/pwsviz.export.pictures/PictureFiles/_resources/files/picture_letters.js"
+    const { parts_of } = await import(new URL(path, document.baseURI))
+    return parts_of(words).map(([part, look]) => look == "" ? part : `[${look[0]}:${part}]`).join("")
+}"""
+"""A text with the parts of a formula marked: i for italics, r for raised."""
+
+SET = {
+    "a run of rk2 from a start, at t = 2, a = 3": "a run of rk2 from a start, at [i:t] = 2, [i:a] = 3",
+    "400 values of a from 1 to 2": "400 values of [i:a] from 1 to 2",
+    "u′ = −μ₋·x/(x² + y²)^(3/2)": "[i:u]′ = −[i:μ]₋[i:x]/([i:x]² + [i:y]²)[r:3/2]",
+    "ψ₋,₁ = x·v − 2·10⁻³": "[i:ψ]₋,₁ = [i:x][i:v] − 2·10⁻³",
+    "run time (s), x (w not shown), sin(s)": "run time (s), [i:x] ([i:w] not shown), sin([i:s])",
+    "“Hénon–Heiles”, Poincaré, Čech": "“Hénon–Heiles”, Poincaré, Čech",
+    "|Δψ|, the size of ψ’s terms": "|Δ[i:ψ]|, the size of [i:ψ]’s terms",
+    "sin(x)·y, alpha·x, k·(q − 0.3)": "sin([i:x])·[i:y], alpha·[i:x], [i:k]([i:q] − 0.3)",
+    "S: g = 0, t̂, ‖x − x*‖₂, Σ |∂ψ/∂xₖ|": "[i:S]: [i:g] = 0, [i:t̂], ‖[i:x] − [i:x]*‖₂, Σ |∂[i:ψ]/∂[i:x]ₖ|",
+}
+
 TEXTS = """svg => {
     const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement
     const texts = [...root.querySelectorAll("text")]
     return {width: root.getAttribute("width"), images: root.querySelectorAll("image").length,
             paths: root.querySelectorAll("path").length, words: texts.map(text => text.textContent).join(" "),
             fonts: [...new Set(texts.map(text => text.getAttribute("font-family")))],
+            slanted: [...new Set([...root.querySelectorAll("tspan[font-style=italic]")].map(one => one.textContent))],
+            edges: root.querySelectorAll("path[stroke='#ffffff'][stroke-dasharray][stroke-linejoin=round]").length,
             ground: root.querySelector("rect").getAttribute("fill")}
 }"""
 
@@ -87,7 +109,9 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.get_by_role("button", name="Copy full caption").first.click()
     page.get_by_role("button", name="Copied").first.wait_for()
-    page.wait_for_function("async () => (await navigator.clipboard.readText()).startsWith('Phase portrait, Elliptic')")
+    page.wait_for_function(
+        "async () => (await navigator.clipboard.readText()).startsWith('Phase portrait of the system “Elliptic')"
+    )
     for kind, start in (("link", "http"), ("program", "import core")):
         page.get_by_role("button", name=f"Copy the {kind}").click()
         page.get_by_role("button", name="Copied").first.wait_for()
@@ -98,13 +122,16 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
         assert (svg["width"], svg["images"], svg["fonts"]) == ("85mm", 0, ["DejaVu Sans"])
         assert svg["paths"] > 20
         assert svg["ground"] == "#ffffff", "for print, on a dark page, too"
+        assert svg["edges"] == (k == 0), "of rk2, which is dashed, on dmm2"
         assert "g < 0: x′ = 2y, y′ = 3x² + a₋" in svg["words"]
+        assert {"x", "y", "g", "ψ", "a", "τ"} <= set(svg["slanted"]), "names of quantities are in italics"
+        assert max(map(len, svg["slanted"])) == 1
         assert "step size τ = 0.01" in svg["words"]
         pdf = downloaded(page, page.get_by_role("button", name="PDF").nth(k))
         assert pdf.startswith(b"%PDF-")
         assert b"/Subtype /Image" not in pdf
         assert b"/FontFile2" in pdf
-        assert set(re.findall(rb"/BaseFont */(\S+)", pdf)) == {b"DejaVu#20Sans"}, (
+        assert set(re.findall(rb"/BaseFont */(\S+)", pdf)) == {b"DejaVu#20Sans", b"DejaVu#20Sans#20Oblique"}, (
             "no font is named that is not embedded"
         )
         assert set(re.findall(rb"/Ordering *\((.*?)\)", pdf)) == {b"Identity"}, "of CID fonts: ISO 32000-1, 9.7.3"
@@ -113,6 +140,8 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
         assert pdf[table : table + 4] == b"xref"
         for number, place in enumerate(re.findall(rb"(\d{10}) 00000 n", pdf[table:]), 1):
             assert pdf[int(place) :].startswith(b"%d 0 obj" % number)
+    for words, typeset in SET.items():
+        assert page.evaluate(PARTS, words) == typeset
     page.get_by_role("button", name="600 dpi").click()
     png = downloaded(page, page.get_by_role("button", name="PNG").first)
     wide = int.from_bytes(png[16:20])
@@ -141,7 +170,9 @@ def test_a_short_caption_takes_at_most_five_lines_and_the_full_one_is_in_the_met
     svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
     lines = page.evaluate(TEXT_LINES, svg)
     words = " ".join(lines)
-    assert words.startswith("Phase portrait, Elliptic curve: a₋ = −3, a₊ = −2, r = 1. Started at (x, y) = (−1, −1).")
+    assert words.startswith(
+        "Phase portrait of the system “Elliptic curve”: a₋ = −3, a₊ = −2, r = 1. Initial state (x, y) = (−1, −1)."
+    )
     assert words.endswith("Integrated by dmm2 and rk2 with step size τ = 0.01 to t = 20.")
     assert len(lines) <= 5
     assert "y′ = 3x² + a₋" in re.search("<desc>(.*?)</desc>", svg)[1]
@@ -192,20 +223,27 @@ def test_a_portrait_is_no_taller_than_asked_for_with_equal_scales(visit, height)
     assert slopes[0] == pytest.approx(-slopes[1], rel=0.03)
 
 
-def test_a_caption_that_leaves_a_figure_too_little_room_is_shortened_and_the_page_says_so(visit):
-    page = visit(query="system=gene_ring&t_end=2")
+@pytest.mark.parametrize("query", ["", "system=gene_ring&t_end=2"])
+def test_a_picture_is_higher_where_its_caption_needs_more_and_the_page_says_so(visit, query):
+    page = visit(query=query)
     await_that(page, PORTRAIT)
+    await_still(page)
     page.get_by_role("button", name=re.compile("Export")).click()
-    for choice in ("85 mm", "80 mm", "full"):
+    for choice in ("85 mm", "80 mm", "12 pt", "full"):
         page.get_by_role("button", name=choice, exact=True).click()
-    svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
-    page.get_by_text(
-        re.compile("has the short caption, as a longer one leaves a picture of 80 mm too little")
-    ).wait_for()
-    assert float(re.search(r'height="([0-9.]+)mm"', svg)[1]) <= 80
-    page.get_by_role("button", name="160 mm", exact=True).click()
+    for number in range(2):
+        svg = downloaded(page, page.get_by_role("button", name="SVG").nth(number)).decode()
+        height = float(re.search(r'height="([0-9.]+)mm"', svg)[1])
+        cause = "caption needs" if number == 0 else "(caption needs|figures need)"  # those of several panels
+        page.get_by_text(re.compile(f"its {cause} {ceil(height - 80)} mm more than the height chosen")).wait_for()
+        full = re.search("<desc>(.*?)</desc>", svg)[1].replace("&lt;", "<").replace("&gt;", ">")
+        lines = page.evaluate(TEXT_LINES, svg)
+        assert " ".join(lines).replace("·", "").startswith(full.replace("·", "")), "no word of it is left out"
+        assert not [line for line in lines if re.search(r"\([^()]*,$", line)], "a state stays on one line"
+    page.get_by_role("button", name="8 pt", exact=True).click()
+    page.get_by_role("button", name="200 mm", exact=True).click()
     downloaded(page, page.get_by_role("button", name="SVG").first)
-    page.get_by_text(re.compile("too little room")).wait_for(state="detached")
+    page.get_by_text(re.compile("more than the height chosen")).wait_for(state="detached")
 
 
 PIXELS = """async svg => {
@@ -348,3 +386,26 @@ def test_panels_of_one_figure_stand_below_one_another(visit):
     dark = dark[: len(dark) * 3 // 4]  # without legend and caption
     for side in (dark[:, : dark.shape[1] // 4], dark[:, -dark.shape[1] // 4 :]):
         assert side.mean(axis=0).max() > 0.9, "the frames have one left edge, and one right edge"
+
+
+@pytest.mark.parametrize(("width", "height", "query"), [(1500, 1600, ""), (1700, 700, "window=-3,2,-1,4")])
+def test_a_portrait_is_saved_with_the_limits_of_the_screen_in_a_window_of_any_shape(visit, width, height, query):
+    page = visit(width=width, height=height, query=query)
+    await_that(page, PORTRAIT)
+    await_still(page)
+    *_, wide, high = page.evaluate(PORTRAIT)["frame"]
+    page.get_by_role("button", name=re.compile("Export")).click()
+    for choices in (["85 mm", "full"], ["250 mm", "80 mm", "no caption"]):
+        for choice in choices:
+            page.get_by_role("button", name=choice, exact=True).click()
+        svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
+        assert max(shapes_of(svg)) == pytest.approx(wide / high, rel=0.02), "at equal scales it shows the same plane"
+
+
+def shapes_of(svg):
+    """Width by height of the frames that clip what is within."""
+    path = r'd="M ([0-9.]+) ([0-9.]+) L ([0-9.]+) [0-9.]+ L [0-9.]+ ([0-9.]+) [^"]*"/></clipPath>'
+    for ends in re.findall(path, svg):
+        left, top, right, bottom = map(float, ends)
+        if left > 0:
+            yield (right - left) / (bottom - top)

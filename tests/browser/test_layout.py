@@ -1,6 +1,7 @@
 """The screen is used, whatever its size: two columns, a portrait in sight, a lecture mode, and fingers."""
 
 import re
+from time import time
 
 import pytest
 
@@ -93,6 +94,31 @@ def test_a_key_turns_the_lecture_mode_on_and_off(visit):
         page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
 
 
+FRAME = """() => {
+    const {frame: {bbox}, el} = Bokeh.index.query_one(view => view.model.type == "Figure" && view.model.match_aspect)
+    const foot = el.getBoundingClientRect().bottom
+    return [bbox.width, bbox.height, window.innerHeight - foot]
+}"""
+"""Width and height of the frame of the portrait, and how far from the lower end of the screen its figure ends."""
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("screen", [(1920, 1080), (1400, 900), (1280, 720)])
+def test_in_lecture_mode_the_portrait_is_larger_in_both_directions(visit, screen):
+    page = visit(*screen)
+    await_painted(page, "Phase portrait")
+    await_still(page)
+    width, height, _ = page.evaluate(FRAME)
+    page.keyboard.press("l")
+    assert becomes(page, lambda: page.evaluate(FRAME)[0] > 1.1 * width), "the controls make way"
+    await_still(page)
+    page.get_by_role("button", name="Animate").click()
+    page.get_by_role("slider", name="Time").wait_for()
+    assert becomes(page, lambda: page.evaluate(FRAME)[1] > 1.05 * height), page.evaluate(FRAME)
+    assert page.evaluate(FRAME)[2] > 0, "the figure and its legend are whole on the screen"
+    assert page.get_by_role("slider", name="Time").bounding_box()["y"] < screen[1]
+
+
 @pytest.fixture
 def phone(chromium, address):
     context = chromium.new_context(viewport={"width": 420, "height": 800}, has_touch=True, is_mobile=True)
@@ -103,6 +129,15 @@ def phone(chromium, address):
     await_still(page)
     yield page
     context.close()
+
+
+def double_tap(page, place):
+    """Tap twice, 0.1 s apart by the events' own times, however late a busy machine handles them."""
+    touch, began = page.context.new_cdp_session(page), time()
+    for tap in (1, 2):
+        for late, kind, points in ((0.0, "touchStart", [{"x": place[0], "y": place[1]}]), (0.05, "touchEnd", [])):
+            event = {"type": kind, "touchPoints": points, "timestamp": began + 0.1 * tap + late}
+            touch.send("Input.dispatchTouchEvent", event)
 
 
 def swipe(page, fingers, by):
@@ -144,8 +179,7 @@ def test_on_a_phone_every_view_is_in_sight_and_the_controls_leave_the_portrait_s
         close()
         drawer.wait_for(state="hidden")
     assert len(phone.evaluate(PORTRAIT)["stars"]) == 1, "the tap beside the controls places nothing"
-    phone.touchscreen.tap(*inside(phone.evaluate(PORTRAIT), 0.3, 0.7))
-    phone.touchscreen.tap(*inside(phone.evaluate(PORTRAIT), 0.3, 0.7))
+    double_tap(phone, inside(phone.evaluate(PORTRAIT), 0.3, 0.7))
     phone.wait_for_timeout(1000)
     assert len(phone.evaluate(PORTRAIT)["stars"]) == 1, "two taps fit"
 
@@ -249,3 +283,21 @@ def test_in_lecture_mode_titles_of_views_keep_to_one_row_and_names_of_fields_are
     tops = [tab.bounding_box()["y"] for tab in page.get_by_role("tab").all()]
     assert max(tops) - min(tops) < 1
     assert becomes(page, lambda: page.evaluate(CUT) == []), page.evaluate(CUT)
+
+
+STARTS = ";".join(f"-1.3,{0.15 * k - 0.9:.2f}" for k in range(12))
+
+
+def test_the_numbers_of_many_starts_stand_in_rows_within_the_controls(visit):
+    page = visit(query=f"v=2&starts={STARTS}")
+    controls = page.locator(".MuiDrawer-paper.sidebar")
+    last = page.get_by_role("button", name="12", exact=True)
+    last.wait_for()
+    last.focus()
+    assert controls.evaluate("box => box.scrollWidth - box.clientWidth") <= 0
+    assert controls.evaluate("box => box.scrollLeft") == 0
+    right = controls.bounding_box()["x"] + controls.bounding_box()["width"]
+    for number in range(1, 13):
+        box = page.get_by_role("button", name=str(number), exact=True).bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= right

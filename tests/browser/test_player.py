@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.figures.style import PURPLE, SHADES
+from pwsviz.figures.style import PURPLE, SHADES, TINT
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from tests.browser.looking import await_painted, becomes
@@ -17,7 +17,7 @@ from tests.browser.test_portrait import PORTRAIT, await_still, await_that, insid
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 SURFACE = rgb(PURPLE)
-TINT = tuple(round(0.13 * c + 0.87 * 255) for c in rgb(SHADES[-1]))  # over white
+TINTED = tuple(round(TINT * c + (1 - TINT) * 255) for c in rgb(SHADES[-1]))  # over white
 
 
 @pytest.fixture
@@ -85,7 +85,7 @@ def test_each_time_the_player_opens_space_is_its_own(shown):
 def tinted(page, place):
     """Whether most of the pixels around a place have the tint to a unit of colour or two."""
     pixels = np.array(page.evaluate(AROUND, list(place)))[:, :3]
-    return bool((np.abs(pixels - TINT).max(axis=1) <= 2).mean() > 0.5)
+    return bool((np.abs(pixels - TINTED).max(axis=1) <= 2).mean() > 0.5)
 
 
 def test_of_moving_surfaces_the_tint_leaves_out_a_region_that_is_not_declared(visit):

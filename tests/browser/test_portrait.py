@@ -2,6 +2,7 @@
 
 import re
 from time import monotonic
+from time import time as wall_time
 
 import pytest
 
@@ -34,7 +35,8 @@ PORTRAIT = f"""() => {{
     return {{stars: figure.on_screen(stars.x, stars.y), at: Array.from(stars.x, (x, k) => [x, stars.y[k]]),
              chosen: Array.from(stars.chosen).indexOf(true), marks: figure.on_screen(marks.x, marks.y),
              times: Array.from(marks.time), ringed: rings.filter(row => row.length == 1 && !isNaN(row[0])).length,
-             moving: Array.from(moving.x), range: figure.range, frame: figure.frame, words: figure.words}}
+             moving: Array.from(moving.x), range: figure.range, frame: figure.frame, words: figure.words,
+            heard: stars.heard[0]}}
 }}"""
 CONSERVED = f"""() => {{
     const figure = ({FIGURE})("Absolute change")
@@ -81,12 +83,24 @@ def inside(portrait, across, up):
     return left + across * width, top + (1 - up) * height
 
 
-def drag(page, start, by, steps=10):
+def drag(page, start, by, steps=10, rest=0):
+    """Drag from a place, by so many pixels, after `rest` milliseconds without motion; the button stays down."""
     page.mouse.move(*start)
     page.mouse.down()
+    page.wait_for_timeout(rest)
     for k in range(1, steps + 1):
         page.mouse.move(start[0] + by[0] * k / steps, start[1] + by[1] * k / steps)
         page.wait_for_timeout(20)
+
+
+def double_click(page, place):
+    """Click twice, 0.1 s apart by the events' own times, however late a busy machine handles them."""
+    page.mouse.move(*place)
+    session, began = page.context.new_cdp_session(page), wall_time()
+    for click in (1, 2):
+        for late, kind in ((0.0, "mousePressed"), (0.05, "mouseReleased")):
+            event = {"type": kind, "x": place[0], "y": place[1], "button": "left", "clickCount": click}
+            session.send("Input.dispatchMouseEvent", {**event, "timestamp": began + 0.1 * click + late})
 
 
 def place_second(page):

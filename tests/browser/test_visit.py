@@ -47,6 +47,12 @@ def test_a_broken_link_is_told_and_harms_nothing(visit):
     await_painted(page, "Phase portrait")
     page.get_by_text(re.compile("400 steps")).first.wait_for()
     assert page.locator("script", has_text="alert(1)").count() == 0
+    assert "soon" not in page.url, "the address is that of the scene that is shown"
+    assert "t_end=4" in page.url
+    complaint = page.get_by_role("alert").filter(has_text="soon")
+    assert complaint.is_visible()
+    type_into(page, "Step size τ", "0.02")
+    complaint.wait_for(state="detached")
 
 
 @pytest.mark.deep
@@ -57,7 +63,9 @@ def test_a_system_is_typed_checked_and_used(visit):
     page.get_by_text("This system is ready.").wait_for()
     law = field(page, "Field f₋, where g < 0")
     law.fill("2*y\n3*x**2 + b")
-    sync_api.expect(page.get_by_role("button", name="Use this system")).to_be_disabled()
+    page.get_by_text("The definition is not valid yet. Please check: Field f₋").wait_for()
+    page.get_by_role("button", name="Use this system").click()
+    sync_api.expect(law).to_be_focused()
     law.fill("2*y\n3*x**2 + a_minus")
     page.get_by_text("This system is ready.").wait_for()
     page.get_by_role("button", name="Use this system").click()
@@ -133,6 +141,6 @@ def test_a_system_comes_with_its_own_end_time_whatever_came_before(visit):
     await_painted(page, "Phase portrait")
     await_built(page)
     systems = page.get_by_role("combobox", name="System")
-    for name, end in (("Crossing upward", "40.0"), ("Pendulum", "20.0")):
+    for name, end in (("Crossing upward", "40"), ("Pendulum", "20")):
         systems.select_option(name)
         sync_api.expect(field(page, "End time")).to_have_value(end)

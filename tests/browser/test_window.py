@@ -3,9 +3,11 @@
 import re
 
 import pytest
+from playwright import sync_api
 
-from tests.browser.looking import field
-from tests.browser.test_portrait import PORTRAIT, await_still, await_that, drag, inside
+from pwsviz.page.window_fields import LABELS
+from tests.browser.looking import becomes, field, type_into
+from tests.browser.test_portrait import PORTRAIT, await_still, await_that, double_click, drag, inside
 
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
@@ -27,10 +29,10 @@ def window(page):
 
 def test_neither_a_new_start_nor_one_that_escapes_moves_the_window(page):
     before = window(page)
-    page.mouse.dblclick(*inside(page.evaluate(PORTRAIT), 0.97, 0.95), delay=100)
-    page.wait_for_timeout(1000)
-    assert len(page.evaluate(PORTRAIT)["stars"]) == 1, "a double click only fits the window"
-    assert page.get_by_role("button", name="Undo").is_disabled()
+    heard = page.evaluate(PORTRAIT)["heard"]
+    double_click(page, inside(page.evaluate(PORTRAIT), 0.97, 0.95))
+    await_that(page, PORTRAIT, lambda seen: seen["heard"] > heard and len(seen["stars"]) == 1)  # it only fits
+    sync_api.expect(page.get_by_role("button", name="Undo")).to_be_disabled()
     page.mouse.click(*inside(page.evaluate(PORTRAIT), 0.97, 0.95))  # from here the solution runs off to infinity
     await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 2)
     page.get_by_text(re.compile("Start 2 of 2")).first.wait_for()
@@ -69,11 +71,11 @@ def test_pan_is_kept_in_the_link_and_fit_returns(page):
     page.get_by_title("Fit to the trajectories").click()
     await_that(page, PORTRAIT, lambda seen: seen["range"] == pytest.approx(before, abs=0.02 * size))
     page.wait_for_url(lambda url: "window=" not in url)
-    drag(page, inside(page.evaluate(PORTRAIT), 0.9, 0.9), (-80, 40))
+    drag(page, inside(page.evaluate(PORTRAIT), 0.9, 0.9), (-80, 40), rest=600)  # however long it is held before
     page.mouse.up()
     page.wait_for_url(re.compile("window="))
     starts = page.evaluate(PORTRAIT)["at"]
-    page.mouse.dblclick(*inside(page.evaluate(PORTRAIT), 0.9, 0.9))
+    double_click(page, inside(page.evaluate(PORTRAIT), 0.9, 0.9))
     await_that(page, PORTRAIT, lambda seen: seen["range"] == pytest.approx(before, abs=0.02 * size))
     page.wait_for_url(lambda url: "window=" not in url and "starts=" not in url)
     assert page.evaluate(PORTRAIT)["at"] == starts
@@ -97,6 +99,40 @@ def test_limits_can_be_typed(page):
         left, right, bottom, top = seen["range"]
         assert seen["frame"][2] / (right - left) == pytest.approx(seen["frame"][3] / (top - bottom), rel=0.01)
     page.wait_for_url(re.compile("window="))
+
+
+@pytest.mark.parametrize("begun", ["", "-"])
+def test_what_is_being_typed_is_not_replaced_by_an_answer_to_another_field(page, begun):
+    page.get_by_role("button", name="Limits of the portrait").click()
+    bottom, top = field(page, "Bottom end"), field(page, "Top end")
+    before = top.input_value()
+    type_into(page, "Right end", "6")
+    bottom.select_text()
+    page.keyboard.type(begun)
+    sync_api.expect(top).not_to_have_value(before)  # the answer is there: the axis across has followed
+    page.keyboard.type("-2".removeprefix(begun))
+    assert bottom.input_value() == "-2"
+    bottom.press("Enter")
+    await_that(page, PORTRAIT, lambda seen: abs(seen["range"][2] + 2) < 0.01)
+    sync_api.expect(bottom).to_have_value("−2")
+
+
+def test_of_texts_sent_faster_than_they_are_answered_each_field_shows_what_holds(page):
+    page.get_by_role("button", name="Limits of the portrait").click()
+    ends = [field(page, label) for label in LABELS]
+    ends[2].evaluate(
+        """(bottom, left) => {
+            for (const [entry, text] of [[bottom, "-3"], [left, "-1"], [bottom, "-2"]]) {
+                entry.value = text
+                for (const name of ["input", "change"]) entry.dispatchEvent(new Event(name))
+            }
+        }""",
+        ends[0].element_handle(),
+    )
+    await_that(page, PORTRAIT, lambda seen: abs(seen["range"][2] + 2) < 0.01)
+    await_still(page)
+    limits = pytest.approx(page.evaluate(PORTRAIT)["range"], abs=0.01)
+    assert becomes(page, lambda: [float(entry.input_value().replace("−", "-")) for entry in ends] == limits)
 
 
 def test_a_zoom_by_the_wheel_is_in_the_link_and_so_is_the_pan_after_it(page):

@@ -17,8 +17,10 @@ from tests.levels import deep_but
 
 KEYS = tuple("".join(signs) for signs in product("-+", repeat=3))
 T_END = Fraction(8)
-#: Crossings after which a path winds into a corner: its ratios then grow without end, and it is followed no further.
-MOST = 40
+#: Crossings from which on a path may be found to wind into a corner; its ratios grow without end.
+MANY = 40
+#: How many times shorter its turns then are than when it was half as far; those of a cycle stay as they are.
+SHORTER = 100
 #: Heights above a line, as part of its terms, that doubles may not tell from 0: 16 bounds on rounding in two states.
 ROUNDING = 2.0**-44
 Vector = tuple[Fraction, Fraction]
@@ -69,7 +71,7 @@ def exact(values: dict[str, float], x0: tuple[float, float], slides: bool = Fals
             return path
         before, t, place = place, t + step, (place[0] + step * u, place[1] + step * v)
         path.end = place
-        if len(path.times) == MOST:
+        if winds_in(path.times):
             path.status = "ZENO"
             return path
         path.times.append(t)
@@ -81,6 +83,12 @@ def exact(values: dict[str, float], x0: tuple[float, float], slides: bool = Fals
         if path.status != "COMPLETED":
             return path
         path.entered.append(key if on is None else f"{key[:on]}0{key[on + 1 :]}")
+
+
+def winds_in(times: list[Fraction]) -> bool:
+    """Whether the last turn, of four crossings, is much shorter than the one at half of them."""
+    half = len(times) // 2
+    return len(times) >= MANY and SHORTER * (times[-1] - times[-5]) < times[half] - times[half - 4]
 
 
 def out_of_corner(key, met, lines, fields):

@@ -64,7 +64,8 @@ def test_a_run_that_cannot_tell_the_side_on_which_it_passes_a_corner_says_so(met
             assert not silent, case
         elif silent:
             assert run.crossings.mode[0] == FIRST[met], case
-            assert abs(run.crossings.t[0] - time) < 0.01, case
+            # Of order 2 the phase is off by τ²/6 a radian, and the crossing by so much over the sine of its angle.
+            assert abs(run.crossings.t[0] - time) < max(0.01, step.get("tau", 0.0) ** 2), case
         seen["silent" if silent else "told"] += 1
     assert len(seen) == 2
 

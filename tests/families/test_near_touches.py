@@ -53,3 +53,25 @@ def test_a_run_whose_error_is_far_smaller_than_the_pass_is_not_warned_of(draws, 
         run = core.integrate(system, (0.0, touch + 0.3), method="rk8", tau=0.02)
         assert WORDS not in run.message, f"depth {depth:.3g}, {system.values}, {system.x0}: {run.message}"
         assert (run.crossing_count > 0) == (depth > 0.0)
+
+
+#: u = a sin t touches u = wall = a at t = π/2, or crosses or misses it by far; x = 1/(pole − t) then blows up.
+BEFORE_A_POLE = core.PiecewiseSystem(
+    "Touch before a pole", ("u", "v", "x"), ("v", "-u", "x**2"), ("v", "-2*u", "x**2"), "u - wall",
+    parameters=(core.Parameter("wall", 1.0),),
+)  # fmt: skip
+#: Steps before a pole within which a touch need not be told: no step of that size resolves the solution there.
+LAST_STEPS = 64
+
+
+@pytest.mark.parametrize("method", ["rk2", "rk4", "rk8", "gauss4"])
+def test_a_touch_is_told_although_the_solution_blows_up_later_and_what_is_clear_is_not(draws, method):
+    for rng in draws(24):
+        a, pole, tau = float(rng.uniform(0.5, 2.0)), float(rng.uniform(3.0, 6.0)), float(10 ** rng.uniform(-2.7, -1.9))
+        assert pole - math.pi / 2 > (LAST_STEPS + 16) * tau
+        for wall, touches in ((a, True), (float(rng.uniform(0.2, 0.8)) * a, False), (1.5 * a, False)):
+            system = BEFORE_A_POLE.with_parameters(wall=wall)
+            run = core.integrate(system, (0.0, 8.0), (0.0, a, 1.0 / pole), tau, method)
+            about = f"{method}, tau = {tau}, {wall} of {a}, pole at {pole}: {run.message}"
+            assert run.status is core.Status.ESCAPED or (touches and run.status in TOUCHES), about
+            assert bool(run.warning) == (touches and run.status not in TOUCHES), about

@@ -84,7 +84,7 @@ def drawn(rng: np.random.Generator) -> Case:
 
 @pytest.mark.parametrize("method", deep_but(QUICK_METHODS, tuple(core.METHODS)))
 def test_a_run_that_stays_near_the_zero_of_a_quotient_keeps_its_digits(draws, method):
-    for rng in draws(6):
+    for rng in draws(3 if method == "taylor" else 6):  # whose series of such quotients take long to compile
         case, away = drawn(rng), 10.0 ** rng.uniform(-15, -3) * rng.choice([-1, 1])
         length = abs(away) * rng.uniform(0.5, 3.0)
         v = 1.0 if case.by_time else float(rng.choice([-1, 1]) * rng.uniform(0.5, 2.0))

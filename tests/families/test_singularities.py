@@ -199,8 +199,9 @@ LIMITS = {
 }
 
 
-#: Errors of the largest step, of the midpoint rule and of Simpson's, where log(1 + u) starts at u = −0.8.
-TRUNCATION = {"rk2": 3e-3, "rk4": 1e-5}
+#: Errors of the largest step, of the midpoint rule, of Simpson's and of Gauss's (two points: 2.54e-6), where log(1 + u)
+#: starts at u = −0.9.
+TRUNCATION = {"rk2": 3e-3, "rk4": 1e-5, "gauss4": 1e-5}
 
 
 @pytest.mark.parametrize("method", _PLAIN)

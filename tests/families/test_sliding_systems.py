@@ -132,3 +132,76 @@ def test_a_start_where_one_field_is_tangent_and_both_lead_to_the_surface_slides(
         assert (run.mode == 2).all(), case
         assert run.x[-1] == pytest.approx([wanted.y[0, -1], 0.0], abs=1e-7), case
         assert core.integrate(run.system, (0.0, 0.5 * sign), tau=0.02, method="rk4").status is Status.SLIDING
+
+
+#: Both sides differ in the push towards the surface alone, so that x and y are those of either side; z follows them.
+BENT = core.PiecewiseSystem(
+    "Bent", ("x", "y", "z"), f_minus=("-r*x + b*x**2", "-u*y", "k"), f_plus=("-r*x + b*x**2", "-u*y", "-k"),
+    g="z - q*x**2 - a*x - y - n", x0=(1.0, 1.0, 1.0), parameters=dict.fromkeys("rbukqan", 1.0),
+)  # fmt: skip
+#: A relay that switches on a line: it slides with v' = -v/lead to (rest, 0), and its field does not depend on x.
+LINE = core.PiecewiseSystem(
+    "Line", ("x", "v"), f_minus=("v", "1 - c*v"), f_plus=("v", "-1 - c*v"), g="x + lead*v - rest", x0=(4.0, 0.0),
+    parameters={"c": 0.05, "lead": 0.15, "rest": 0.0},
+)  # fmt: skip
+#: e-foldings after which e⁻ʳᵗ is zero in double precision: ln 2¹⁰⁷⁵ = 745.1.
+TO_UNDERFLOW = 760.0
+
+
+def drawn_bend(rng):
+    """A curved surface along which x and y decay, to the origin or to (0, 0, n): system, least rate, exact states."""
+    r, b, q, a = 10.0 ** rng.uniform(-1.0, 1.5), rng.uniform(-0.5, 0.5), *rng.uniform(-1.0, 1.0, 2)
+    u, n = r * 10.0 ** rng.uniform(-1.0, 1.0), rng.choice([0.0, rng.uniform(-2.0, 2.0)])
+    values = {"r": r, "b": b * r, "u": u, "k": 10.0 + 9.0 * r + 2.0 * u, "q": q, "a": a, "n": n}
+    system = BENT.with_parameters(**{name: float(v) for name, v in values.items()})
+
+    def exact(t, _):
+        x, y = np.exp(-r * t) / (1.0 - b + b * np.exp(-r * t)), np.exp(-u * t)
+        return np.stack([x, y, q * x * x + a * x + y + n], axis=-1)
+
+    return system, (1.0, 1.0, q + a + 1.0 + n + rng.uniform(0.1, 1.0)), min(r, u), exact
+
+
+def drawn_line(rng):
+    """The relay on a line to the origin or to another place: system, start, rate, and exact states from the first."""
+    lead, rest = float(rng.uniform(0.1, 0.6)), float(rng.choice([0.0, rng.uniform(-2.0, 2.0)]))
+
+    def exact(t, first):
+        v = first[1] * np.exp(-(t - t[0]) / lead)
+        return np.stack([rest - lead * v, v], axis=-1)
+
+    return LINE.with_parameters(lead=lead, rest=rest), (4.0 + rest, 0.0), 1.0 / lead, exact
+
+
+@pytest.mark.parametrize("drawn_decay", [drawn_bend, drawn_line])
+def test_what_decays_along_a_surface_keeps_its_relative_accuracy_down_to_underflow(drawn_decay, draws):
+    for rng in draws(15):
+        system, start, rate, exact = drawn_decay(rng)
+        tau = {"tau": rng.uniform(0.05, 3.0) / rate} if rng.random() < 0.6 else {}
+        run = core.integrate(
+            system, (0.0, TO_UNDERFLOW / rate), x0=start, method="taylor", tolerance=1e-13, sliding="continue", **tau
+        )  # fmt: skip
+        case = (system.parameters, tau, run.message)
+        assert run.status is Status.COMPLETED, case
+        assert "too long" not in run.warning, case
+        t, x = (values[run.mode == 2][1:] for values in (run.t, run.x))
+        wanted = exact(t, x[0])
+        # The error of a step is relative, and adds up over all of them; below 1e-300 underflow loses digits.
+        allowed = 100 * 1e-13 * len(t) * np.abs(wanted).max(axis=1) + 1e-300
+        assert (np.abs(x - wanted).max(axis=1) <= allowed).all(), case
+
+
+@pytest.mark.parametrize("method", deep_but(("gauss4",), ("rk2", "rk4", "rk8", "gauss4")))
+@pytest.mark.parametrize("drawn_decay", [drawn_bend, drawn_line])
+def test_what_decays_along_a_surface_comes_to_rest(method, drawn_decay, draws):
+    """Methods that do not keep g leave the surface by their error, 1e-2 at most here, and rest beside it."""
+    for rng in draws(6):
+        system, start, rate, exact = drawn_decay(rng)
+        tau = 0.1 / max(rate, float(system.parameter_array[:3].max()) if drawn_decay is drawn_bend else rate)
+        run = core.integrate(
+            system, (0.0, TO_UNDERFLOW / rate), x0=start, tau=tau, method=method, sliding="continue", max_steps=10**6
+        )  # fmt: skip
+        assert run.status is Status.COMPLETED, (system.parameters, run.message)
+        assert "too long" not in run.warning, (system.parameters, run.message)
+        slid = run.mode == 2
+        assert np.abs(run.x[-1] - exact(run.t[slid][1:], run.x[slid][1])[-1]).max() < 1e-2, system.parameters

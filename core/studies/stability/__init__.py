@@ -4,6 +4,7 @@ from core.studies.stability.drift import Drift
 from core.studies.stability.grazing import Grazing
 from core.studies.stability.largest import LargestTau
 from core.studies.stability.outcomes import OutcomeMap
+from core.studies.stability.plan import STARTS_OF_MAP, default_taus
 from core.studies.stability.study import PARTS, StabilityStudy, stability_study
 from core.studies.stability.verdict import ENDINGS, NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, outcome_words
 
@@ -12,6 +13,7 @@ __all__ = [
     "NOT_YET",
     "NO_START",
     "PARTS",
+    "STARTS_OF_MAP",
     "WENT_ON",
     "WRONG_CROSSINGS",
     "Drift",
@@ -19,6 +21,7 @@ __all__ = [
     "LargestTau",
     "OutcomeMap",
     "StabilityStudy",
+    "default_taus",
     "outcome_words",
     "stability_study",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -18,10 +19,13 @@ from core.methods import Method
 from core.studies.stability.verdict import reference_run
 from core.system import PiecewiseSystem, Start
 
-__all__ = ["MAX_STEPS", "Plan", "checked_plan"]
+__all__ = ["MAX_STEPS", "STARTS_OF_MAP", "Plan", "checked_plan", "default_taus"]
 
 MAX_STEPS = 50_000
 """Most steps of one run, other than the long one."""
+
+STARTS_OF_MAP = 25
+"""Default number of values of the coordinate."""
 
 #: Default start and end time.
 _T_SPAN = (0.0, 20.0)
@@ -35,8 +39,6 @@ _COARSEST = 10.0
 _DEFAULT_STEPS = 1_000.0
 #: Number of instants along the trajectory, and of values in its range, by which the default values are chosen.
 _INSTANTS = 1001
-#: Default number of values of the coordinate.
-_VALUES = 25
 #: Most step sizes, and most values.
 _MOST = 400
 #: Most steps of the long run.
@@ -81,7 +83,7 @@ def checked_plan(
     span = _span(_T_SPAN if t_span is None else t_span)
     start = checked_start(system, span[0], x0)
     names, length = _methods(system, methods), span[1] - span[0]
-    ladder = np.geomspace(length / _FINEST, length / _COARSEST, _TAUS) if taus is None else _increasing(taus, "taus")
+    ladder = default_taus(length) if taus is None else _increasing(taus, "taus")
     chosen = [checked_method(system, name) for name in names]
     for one in (*ladder, length / _DEFAULT_STEPS if tau is None else tau):
         step = checked_settings(chosen[0], one, transition=transition, sliding=sliding).tau
@@ -134,6 +136,12 @@ def _coordinate(system: PiecewiseSystem, coordinate: int | str) -> int:
     return int(coordinate)
 
 
+def default_taus(length: float, least: float = 0.0, most: float = math.inf) -> Floats:
+    """Default step sizes for a time span of some length, within bounds unless less than a decade of them lies there."""
+    finest = max(length / _FINEST, least)
+    return np.geomspace(finest, max(min(length / _COARSEST, most), 10.0 * finest), _TAUS)
+
+
 def _default_values(
     system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], coordinate: int,
     sliding: str, cancel: Cancel | None,
@@ -149,7 +157,7 @@ def _default_values(
     margin = _MARGIN * (high - low) or max(abs(low), 1.0) / 2
     wide = np.linspace(low - margin, high + margin, _INSTANTS)
     within = _within_walls(system, x0, t_span[0], coordinate, wide)
-    return np.linspace(within[0], within[-1], _VALUES)
+    return np.linspace(within[0], within[-1], STARTS_OF_MAP)
 
 
 def _within_walls(system: PiecewiseSystem, x0: tuple[float, ...], t0: float, coordinate: int, values: Floats) -> Floats:

@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.kernels.taylor_coefficients import MAX_ORDER, order_of, power_near, power_of_two, step_length
+from core.kernels.taylor_coefficients import (
+    MAX_ORDER,
+    correction_of_unit,
+    order_of,
+    power_near,
+    power_of_two,
+    step_length,
+)
 
 
 def rows(count: int = 4, length: int = 32) -> Any:
@@ -110,3 +117,9 @@ def test_no_power_is_near_what_is_no_quotient_of_the_usual_size(u: float, v: flo
 @pytest.mark.parametrize("u", [0.0, -2.0, math.inf, math.nan, 5e-324])
 def test_what_gives_no_unit_gives_one(u: float) -> None:
     assert power_of_two(u) == 1.0
+
+
+def test_a_unit_in_which_coefficients_overflow_becomes_as_short_as_the_longest_step_needs() -> None:
+    assert correction_of_unit(math.nan, 2.0**300, 2.0**30) == 2.0**-270
+    assert correction_of_unit(math.nan, 2.0**20, 2.0**30) == correction_of_unit(0.0, 1.0, 0.0) == 2.0**-40
+    assert correction_of_unit(2.0**-50, 2.0**300, 2.0**30) == 2.0**-50

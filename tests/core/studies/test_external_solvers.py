@@ -19,15 +19,15 @@ def solver(request):
     return EXTERNAL_SOLVERS[request.param]
 
 
-def solve(solver, system, end, x0=None, t0=0.0, tolerance=1e-12, most=1000, check=lambda: None):
+def solve(solver, system, end, x0=None, t0=0.0, tolerance=1e-12, most=1000, check=lambda: None, record=False):
     start, functions = np.array(system.x0 if x0 is None else x0, dtype=float), ScalarFunctions(system)
-    return external_arcs(functions, solver.prepare(functions, tolerance, 1.0), t0, end, start, most, check)
+    return external_arcs(functions, solver.prepare(functions, tolerance, 1.0), t0, end, start, most, check, record)
 
 
 def test_each_side_turns_at_its_own_rate(solver):
     # x'' = -w**2 x with w**2 = 1 above y = 0 and 3 below: a turn takes pi + pi/sqrt(3), and leads back to the start.
     turn = math.pi * (1 + 1 / math.sqrt(3))
-    arcs = solve(solver, HARMONIC, 5 * turn, (1.0, 1.0))
+    arcs = solve(solver, HARMONIC, 5 * turn, (1.0, 1.0), record=True)
     assert arcs.side == [1, -1] * 5 + [1]
     assert arcs.left[-1][0] == 5 * turn
     assert arcs.left[-1][1] == pytest.approx([1.0, 1.0], abs=1e-9)
@@ -35,7 +35,7 @@ def test_each_side_turns_at_its_own_rate(solver):
     first = math.pi / 4
     expected = [first, first + math.pi / math.sqrt(3), first + turn]
     assert [t for t, _ in arcs.left[:3]] == pytest.approx(expected, abs=1e-9)
-    assert arcs.conserved_error(HARMONIC) < 1e-9
+    assert arcs.change_of_psi(HARMONIC) < 1e-9
 
 
 def test_parameters_are_those_of_the_system(solver):
@@ -128,9 +128,12 @@ def test_without_heyoka_the_reason_is_said(monkeypatch):
         EXTERNAL_SOLVERS["heyoka"].prepare(ScalarFunctions(HARMONIC), 1e-9, 1.0)
 
 
-def test_the_conserved_error_is_the_worst_of_all_visits_and_forgets_jumps_between_them():
-    at = [(0.0, np.array(x)) for x in ([0.0, 1.0], [0.0, 2.0], [0.0, 3.0], [0.0, 2.0])]
-    # psi = (w**2 x**2 + y**2)/2: 0.5 -> 0.5, then 2 -> 4.5
-    arcs = Arcs([1, -1], [at[0], at[1]], [at[0], at[2]])
-    assert arcs.conserved_error(HARMONIC) == 2.5
-    assert math.isnan(arcs.conserved_error(core.CATALOGUE["gene_switch"]))
+def test_the_change_of_psi_adds_up_over_visits_forgets_jumps_between_them_and_sees_every_state():
+    # psi = (w**2 x**2 + y**2)/2: 0.5 -> 2 -> 1, then 2 -> 4.5 after another 0.5
+    def at(y):
+        return 0.0, np.array([0.0, y])
+
+    arcs = Arcs([1, -1], [at(1.0), at(2.0)], [at(2**0.5), at(3.0)], seen=[[at(2.0), at(2**0.5)], [at(3.0)]])
+    assert arcs.change_of_psi(HARMONIC) == pytest.approx(3.0, abs=1e-15)
+    assert Arcs([1], arcs.entered[:1], arcs.left[:1], seen=arcs.seen[:1]).change_of_psi(HARMONIC) == 1.5
+    assert math.isnan(arcs.change_of_psi(core.CATALOGUE["gene_switch"]))

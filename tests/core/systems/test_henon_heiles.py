@@ -1,4 +1,4 @@
-"""Hénon-Heiles with a wall: bounces conserve the energy; without the wall the orbit is SciPy's."""
+"""Hénon–Heiles with a wall: bounces conserve the energy; without the wall the orbit is SciPy's."""
 
 import numpy as np
 import pytest

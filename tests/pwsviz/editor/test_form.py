@@ -50,7 +50,7 @@ def test_nothing_is_checked_before_something_is_filled_in():
     editor = SystemEditor(seen.append, lambda show, outcome: seen.append(outcome))
     assert editor.settle(5)
     assert seen == []
-    assert editor.use.disabled
+    assert editor.system is None
 
 
 def test_one_can_start_from_empty_fields(desk):
@@ -59,11 +59,11 @@ def test_one_can_start_from_empty_fields(desk):
     assert desk.editor.settle(20)
     assert desk.editor.draft == Draft()
     assert not any(text.value_input for text in desk.editor.texts.values())
-    assert desk.editor.use.disabled
+    assert desk.editor.system is None
 
 
 def test_a_valid_system_is_used_at_a_click(desk):
-    assert not desk.editor.use.disabled
+    assert desk.editor.system is not None
     assert errors(desk.editor) == {}
     desk.editor.use.clicks += 1
     assert [system.name for system in desk.used] == ["My oscillator"]
@@ -87,7 +87,7 @@ def test_a_mistake_is_told_at_its_field_and_nothing_can_be_used(desk):
     desk.type(g="x +", x0="1")
     assert set(errors(desk.editor)) == {"g", "x0"}
     assert "not an expression" in errors(desk.editor)["g"]
-    assert desk.editor.use.disabled
+    assert desk.editor.system is None
     assert 'role="alert"' in desk.editor.status.object
     assert "Switching function g; Start x₀" in desk.editor.status.object
     desk.editor.use.clicks += 1
@@ -95,7 +95,7 @@ def test_a_mistake_is_told_at_its_field_and_nothing_can_be_used(desk):
     desk.type(g="x + y", x0="1, 2")
     assert errors(desk.editor) == {}
     assert desk.editor.texts["g"].helper_text == "The field changes where g = 0."
-    assert not desk.editor.use.disabled
+    assert desk.editor.system is not None
 
 
 def test_what_is_not_checked_yet_is_used_once_it_is(desk):
@@ -114,7 +114,7 @@ def test_what_is_found_wrong_or_typed_over_is_not_used(desk):
             desk.editor.texts["g"].value_input = more
         assert desk.editor.settle(20)
         assert desk.used == []
-        assert desk.editor.use.disabled == (not more)
+        assert (desk.editor.system is None) == (not more)
 
 
 def test_an_outcome_that_was_overtaken_is_not_shown():
@@ -215,6 +215,25 @@ def test_fields_that_few_need_are_hidden_behind_more(desk):
     assert not desk.editor.several.visible
 
 
+def test_a_system_that_is_changed_is_called_so_unless_it_is_given_a_name(desk):
+    desk.editor.load(ELLIPTIC)
+    assert desk.editor.settle(20)
+    assert desk.editor.texts["name"].value_input == ELLIPTIC.name
+    desk.type(g="x + y")
+    desk.type(g="x - y")
+    desk.editor.use.clicks += 1
+    assert [system.name for system in desk.used] == ["Elliptic curve (changed)"]
+    desk.editor.load(desk.used[0])
+    assert desk.editor.settle(20)
+    desk.type(g="x")
+    assert desk.editor.texts["name"].value_input == "Elliptic curve (changed)"
+    desk.editor.load(ELLIPTIC)
+    assert desk.editor.settle(20)
+    desk.type(name="Mine")
+    desk.type(g="x")
+    assert desk.editor.texts["name"].value_input == "Mine"
+
+
 def test_a_mistake_leaves_the_last_good_system_in_use(desk):
     desk.editor.load(core.CATALOGUE["two_walls"])
     assert desk.editor.settle(20)
@@ -232,5 +251,5 @@ def test_a_system_that_has_no_fields_here_is_told_of_and_nothing_else_happens():
     editor = SystemEditor(lambda system: None, current=lambda: odd)
     editor.start()
     assert "odd has regions with names that cannot be written here" in editor.status.object
-    assert editor.use.disabled
+    assert editor.system is None
     editor.close()

@@ -35,27 +35,26 @@ def test_a_caption_names_all_regions_with_the_rate_of_every_variable(system):
     parts = equations(system)
     for key, law in system.regions.items():
         name = {"-": "g < 0", "+": "g > 0"}[key] if system.two_sided else f"region {key}"
-        name = "on both sides" if on_both_sides(system) else name
         name = name.replace("-", "−") if system.surfaces else name
-        (told,) = [part for part in parts if part.startswith(f"{name}: ")]
+        where = "" if has_one_law(system) else f"{name}: "
         names = list(map(variable_name, system.variables))
-        assert told.startswith(f"{name}: {names[0]}′ = ")
+        (told,) = [part for part in parts if part.startswith(f"{where}{names[0]}′ = ")]
         assert all(f"{variable}′ = " in told for variable in names)
         assert told.count("ψ") == len(law.psi)
     told = caption(scene_of(system), "Phase portrait")
-    assert told.startswith(f"Phase portrait, {system.name}: ")
+    assert told.startswith(f"Phase portrait of the system “{system.name}”: ")
     assert len(told) < 1000, "no more than the figure"
 
 
-def on_both_sides(system):
+def has_one_law(system):
     return system.two_sided and len(set(system.regions.values())) == 1
 
 
 def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
-    assert equations(core.CATALOGUE["henon_heiles"])[0].startswith("on both sides: x′ = u, ")
+    assert equations(core.CATALOGUE["henon_heiles"])[0].startswith("x′ = u, ")
     told = caption(scene_of(core.CATALOGUE["three_bodies"]), "Order")
     assert (
-        "two of them hard: its equations are in the TEX, CSV and NPZ files; D = 0.6, ε = 0.5. Started at (x₁, y₁, "
+        "two of them hard”: its equations are in the TEX, CSV and NPZ files; D = 0.6, ε = 0.5. Initial state (x₁, y₁, "
         in told
     )
     assert "g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
@@ -70,9 +69,11 @@ def test_no_two_quantities_of_a_region_have_the_same_name(system):
 
 
 def test_a_caption_says_jumps_where_nothing_but_jumps_occurs():
-    for name, met in (("three_bodies", "jumps"), ("two_walls", "jumps"), ("thermostat", "crossings")):
+    steps, scheme = "on the steps of the integrator itself", "by the transition scheme"
+    cases = (("three_bodies", "jumps", steps), ("two_walls", "jumps", steps), ("thermostat", "crossings", scheme))
+    for name, met, how in cases:
         scene = scene_of(core.CATALOGUE[name])
-        assert f"; {met} located by the transition scheme" in about(scene)["integration"]
+        assert f"; {met} located {how}" in about(scene)["integration"]
     assert "; crossings and jumps located by" in about(scene_of(BOTH_KINDS))["integration"]
 
 
@@ -86,7 +87,7 @@ def test_formulas_of_the_catalogue_have_no_zero_that_is_added_and_no_doubled_bra
 def test_a_caption_has_every_surface_every_jump_and_every_transition(system):
     parts = equations(system)
     names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]
-    laws = 1 if on_both_sides(system) else len(system.regions)
+    laws = 1 if has_one_law(system) else len(system.regions)
     assert [part.partition(" = ")[0] for part in parts[laws:]][: len(names)] == names
     resets = [name for k, name in enumerate(names) if k in system.jumps]
     assert [part.split()[3] for part in parts if part.startswith("reset map at ")] == resets
@@ -98,9 +99,13 @@ def test_a_caption_has_every_surface_every_jump_and_every_transition(system):
 
 def test_expressions_are_printed_and_names_are_left_as_they_are():
     assert equations(RELAY)[2:] == [
-        "pre-heat to off where top − u = 0, reset map (u, w/2)", "off to pre-heat where u − 1/2 = 0",
+        "pre-heat to off where top − u = 0, reset map (u, w) ↦ (u, w/2)", "off to pre-heat where u − 1/2 = 0",
     ]  # fmt: skip
-    assert equations(WALL) == ["region +: x′ = v, v′ = −1, ψ = v²/2 + x", "g₁ = x", "reset map at g₁ = 0: (x, −v·0.9)"]
+    assert equations(WALL) == [
+        "region +: x′ = v, v′ = −1, ψ = v²/2 + x",
+        "g₁ = x",
+        "reset map at g₁ = 0: (x, v) ↦ (x, −v·0.9)",
+    ]
     bridge = equations(core.CATALOGUE["diode_bridge"])
     assert bridge[1].startswith("region −+: v′ = ω·w, u′ = ")
     assert bridge[3:] == ["g₁ = v − u", "g₂ = v + u"]
@@ -120,8 +125,8 @@ def test_a_region_called_as_a_parameter_keeps_its_name():
 
 def test_the_start_of_a_study_is_named_and_sliding_only_where_a_run_slides():
     scene = Scene(starts=((-1.0, -1.0), (-1.0, -0.5)), selected=1)
-    assert about(scene)["starts"] == "started at (x, y) = (−1, −1); (−1, −0.5)"
-    assert about(scene, every_start=False)["starts"] == "started at (x, y) = (−1, −0.5), start 2 of 2"
+    assert about(scene)["starts"] == "initial states 1 and 2: (x, y) = (−1, −1); (−1, −0.5)"
+    assert about(scene, every_start=False)["starts"] == "initial state (x, y) = (−1, −0.5), start 2 of 2"
     assert "sliding" in caption(scene, "Phase portrait")
     assert "sliding" not in caption(scene, "Phase portrait", slid=False)
 
@@ -129,7 +134,36 @@ def test_the_start_of_a_study_is_named_and_sliding_only_where_a_run_slides():
 def test_a_variable_has_one_name_in_all_of_a_caption():
     told = caption(scene_of(core.CATALOGUE["vibrating_table"]), "State")
     assert "φ′ = ω" in told
-    assert "Started at (φ, y, v) = " in told
+    assert "Initial state (φ, y, v) = " in told
     assert "phi" not in told
     assert about(scene_of(core.CATALOGUE["vibrating_table"]))["variables"].startswith("phi (in equations φ), y, v;")
     assert "μₛ" in caption(scene_of(core.CATALOGUE["stick_slip"]), "State"), "no microseconds"
+
+
+def test_a_caption_tells_integrators_as_they_are_declared_and_whose_the_tolerance_is():
+    told = caption(Scene(methods=["taylor"]), "State")
+    assert "by taylor with tolerance 10⁻¹² to t = 20;" in told
+    assert "taylor: Taylor series, whose order and step size follow from a tolerance" in told
+    told = caption(Scene(methods=["dmm4", "taylor"]), "State")
+    assert "with step size τ = 0.01 and for taylor tolerance 10⁻¹² to t" in told
+    assert "dmm2: Discrete Multiplier Method, order 2; dmm4: composition of five steps of dmm2" in told
+    assert "reference. dmm2: Disc" in caption(Scene(), "Order", how="runs of dmm2; reference")
+
+
+def test_a_caption_has_numbers_as_fields_show_them_and_files_have_all_digits():
+    scene = scene_of(core.CATALOGUE["chua"])
+    told = caption(scene, "State")
+    assert "β = 100/7, a = −8/7, b" in told
+    assert "≈" not in told
+    assert "β = 14.285714285714286," in about(scene)["parameters"]
+    scene = Scene(starts=((2**0.5, 0.25), (0.5, 0.5)))
+    told = caption(scene, "State")
+    assert "initial states 1 and 2: (x, y) ≈ (1.4142, 0.25); (0.5, 0.5)." in told.lower()
+    assert told.endswith("Exact values are in the CSV and NPZ files.")
+    assert about(scene)["starts"] == "initial states 1 and 2: (x, y) = (1.4142135623730951, 0.25); (0.5, 0.5)"
+
+
+def test_a_caption_says_what_s_is_and_leaves_a_typed_name_as_it_is():
+    assert ", S = {g = 0};" in caption(Scene(), "Phase portrait")
+    system = core.PiecewiseSystem("my “x1” - 1e-3", ("x", "y"), ("1", "0"), ("1", "0"), "x", x0=(1.0, 0.0))
+    assert caption(scene_of(system), "Order", how="a study").startswith("Order of the system “my ‘x1’ - 1e-3”: ")

@@ -41,6 +41,12 @@ def test_every_rate_every_psi_and_every_parameter_is_written(system):
     assert text.partition("parameters:")[2].count("&=") == len(system.parameters)
 
 
+def test_no_sum_begins_with_a_minus_sign_if_one_of_its_terms_is_positive():
+    text = written(core.CATALOGUE["elliptic_curve"])
+    for line in (r"g &= x^{2} + y^{2} - r^{2}", r"\psi_{-} &= y^{2} - x^{3} - a_{-} x"):
+        assert line in text
+
+
 def test_long_sums_are_broken_between_terms():
     lines = written(core.CATALOGUE["three_bodies"]).splitlines()
     assert sum(line.startswith(r"&\quad {}+") for line in lines) >= 6

@@ -114,14 +114,20 @@ def test_changes_of_psi_are_added_up_as_on_the_page(monkeypatch, capsys):
         assert f"<= {np.fmax.reduce(page_runs(scene)[0].change_of_psi()):.1e}\n" in capsys.readouterr().out
 
 
-def test_only_what_is_unusual_is_said():
+def test_the_program_names_its_settings_and_of_the_rest_what_is_unusual():
     program = program_of(Scene())
     assert "system = core.CATALOGUE['elliptic_curve']\n" in program
-    assert "sliding='continue'" in program
-    assert not any(word in program for word in ("x0", "tau", "transition", "tolerance", "with_parameters"))
-    stopping = program_of(Scene(slide=False))
-    assert "core.integrate(system, (0.0, 20.0), method=method, max_steps=2_000_000)" in stopping
+    assert "system.with_parameters(a_minus=-3.0, a_plus=-2.0, radius=1.0)\n" in program
+    for setting in ("x0=(-1.0, -1.0)", "tau=0.01", "method=method", "sliding='continue'"):
+        assert setting in program
+    assert not any(word in program for word in ("transition", "tolerance", "perturbation"))
+    assert "sliding" not in program_of(Scene(slide=False))
     assert "sliding" not in program_of(Scene(system="bouncing_ball")), "a system with a jump does not slide"
+
+
+def test_the_program_says_of_what_and_by_which_release_it_is():
+    first = program_of(Scene()).splitlines()[0]
+    assert first.startswith("# 'Elliptic curve', by pwsviz ")
 
 
 def test_the_program_uses_core_and_numpy_alone():

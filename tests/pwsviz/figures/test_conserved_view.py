@@ -76,7 +76,7 @@ def test_a_run_with_very_many_crossings_has_no_bands():
     view, _, _ = shown(t_end=2000.0, tau=0.05)
     assert all(len(source.data["start"]) == 0 for source in view.segments.values())
     assert len(view.instants.data["t"]) == 0
-    assert "are too many to be marked, and the sides to be shaded." in view.figure.html_attributes["aria-label"]
+    assert "are too dense to mark; the sides are not shaded." in view.figure.html_attributes["aria-label"]
 
 
 @pytest.mark.parametrize(("system", "kind"), [("elliptic_curve", "transversal"), ("bouncing_ball", "jump")])
@@ -103,7 +103,7 @@ def test_without_landmarks_ticks_are_there_but_know_no_place():
 
 def test_round_off_is_marked_where_it_can_be_told_from_machine_epsilon():
     view, (curves, run) = ConservedView(), computed()
-    for level, marked in ((1e-12, 1e-12), (2 * MACHINE_EPSILON, NOWHERE), (0.0, FLOOR)):
+    for level, marked in ((1e-12, 1e-12), (2 * MACHINE_EPSILON, NOWHERE), (FLOOR / 2, NOWHERE), (0.0, NOWHERE)):
         size = np.full(len(curves[0].t), level / (2 * MACHINE_EPSILON))
         view.show([replace(curves[0], psi_size=size)], landmarks(run, (0, 1)))
         assert view.levels.ticker.ticks == pytest.approx([MACHINE_EPSILON, FLOOR, marked])
@@ -151,7 +151,7 @@ def test_the_sentence_tells_round_off_from_drift():
     words = (
         "dmm2 conserves ψ to accumulated round-off: max |Δψ| = 8×10⁻¹⁶; rk2 drifts: max |Δψ| = 6.4×10⁻⁷ up to t = 20."
     )
-    words += " Shading and crossing marks refer to dmm2."
+    words += " Sides and crossings shown are those of dmm2."
     assert conserved_text([noise, drifting]) == words
 
 
@@ -180,7 +180,7 @@ def test_round_off_adds_up_over_the_steps_that_there_are():
 
 def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
     many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
-    whose, none = "Shading and crossing marks refer to dmm2.", "crossings of dmm2 are too many to be marked"
+    whose, none = "Sides and crossings shown are those of dmm2.", "crossings of dmm2 are too dense to mark"
     for first, said, unsaid in ((curve([0.0, 1e-16]), whose, none), (many, none, whose)):
         words = conserved_text([first, curve([0.0, 1e-7], "rk2")])
         assert said in words
@@ -223,7 +223,24 @@ def test_a_drift_is_rounded_to_the_nearest_and_goes_to_the_end_of_the_run():
 
 def test_an_error_that_comes_and_goes_is_no_drift():
     waves = curve(1e-3 * np.sin(np.linspace(0, 60, 1000)) ** 2, "rk4")
-    assert conserved_text([waves]) == "rk4 shows no drift: max |Δψ| = 10⁻³."
+    assert conserved_text([waves]) == "rk4 shows no drift up to t = 20: max |Δψ| = 10⁻³."
+
+
+def test_a_drift_that_an_oscillation_hides_is_not_denied():
+    """By rk2 ψ of a spring with a kink, and with a cubic force, drifts in proportion to time, by 10⁻⁶ in a unit."""
+    springs = core.PiecewiseSystem(
+        name="Springs", variables=("q", "p"), g="q - 0.3", parameters={"k": 2.0, "s": 0.5}, x0=(-1.0, 0.0),
+        f_minus=("p", "-k*q**3"), psi_minus=("p**2/2 + k*q**4/4",),
+        f_plus=("p", "-k*q**3 - s*(q - 0.3)"), psi_plus=("p**2/2 + k*q**4/4 + s*(q - 0.3)**2/2",),
+    )  # fmt: skip
+    told = []
+    for t_end in (10.0, 20.0, 200.0):
+        scene = Scene(methods=["rk2"], tau=0.01, t_end=t_end)
+        scene.use(springs)
+        told.append(conserved_text(Results().error_curves(run_inputs(scene))))
+    assert told[0].startswith("rk2: max |Δψ| =")
+    assert told[1] == "rk2: max |Δψ| = 1.7×10⁻⁵ up to t = 20."
+    assert told[2] == "rk2 drifts: max |Δψ| = 2.1×10⁻⁴ up to t = 200."
 
 
 @pytest.mark.parametrize("rise", [0.3, 0.5, 0.9])

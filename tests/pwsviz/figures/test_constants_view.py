@@ -61,7 +61,7 @@ def test_without_a_transversal_crossing_no_bound_is_satisfied() -> None:
     run = core.integrate(core.CATALOGUE["type_sliding"], (0.0, 30.0), sliding="continue")
     found = core.diagnose(run)
     text = constants_markup("dmm2", found, run)
-    assert "Of 1 slide none is a transversal crossing" in text
+    assert "The run has no transversal crossing, but 1 slide" in text
     assert "do not apply" in text
     assert "satisfies" not in text + found.summary
 
@@ -96,6 +96,21 @@ def test_the_table_stands_in_the_scheme() -> None:
 
 def test_without_a_run_there_is_no_table() -> None:
     assert "there is none yet" in constants_markup("dmm2", None, None)
+
+
+def test_bounds_on_a_fixed_step_give_no_verdict_on_steps_that_a_method_chooses() -> None:
+    run, diagnosis = diagnosed(0.6, "taylor")
+    text = constants_markup("taylor", diagnosis, run)
+    assert "taylor chooses its own steps" in text
+    assert f"at τ ≤ {run.tau:.3g}" in text
+    for verdict in ("satisfies", "exceeded", "alert"):
+        assert verdict not in text
+    assert "no bound" in diagnosis.summary
+
+
+def test_a_verdict_by_constants_of_another_step_says_that_they_are_estimates() -> None:
+    run, diagnosis = diagnosed(0.01, "prk8")
+    assert "τ satisfies all bounds, as estimated below." in constants_markup("prk8", diagnosis, run)
 
 
 @pytest.mark.parametrize(("method", "stands_in"), [("dmm2", ""), ("dmm4", "dmm2"), ("prk8", "classical Runge–Kutta")])

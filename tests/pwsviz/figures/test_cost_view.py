@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import core
+from core.interface import processor
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
 from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_numbers, cost_rows, cost_text
-from pwsviz.figures.style import line_of
+from pwsviz.figures.style import BELOW_RANGE, line_of
 
 FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
 
@@ -38,7 +39,7 @@ MET = core.Tally(8)
 
 
 def study(*curves, met=MET):
-    return WorkPrecision((0.0, 20.0), curves, met, "exact (linear flow)", FLOOR)
+    return WorkPrecision((0.0, 20.0), curves, met, "exact (linear flow)", FLOOR, 3)
 
 
 DMM2 = curve("dmm2", [1e-4, 1e-3, 1e-2], [1e-2, 1e-4, 1e-7])
@@ -55,7 +56,7 @@ def test_every_curve_stands_where_the_study_has_it(across, up):
         assert np.array_equal(view.curves.data["xs"][k], getattr(one, across))
         assert np.array_equal(view.curves.data["ys"][k], getattr(one, f"{up}_error"))
     assert view.points.data["x"] == [*getattr(DMM2, across), *getattr(SCIPY, across)]
-    assert view.floor.ticker.ticks == [FLOOR[up]]
+    assert view.levels.ticker.ticks[0] == FLOOR[up]
 
 
 def test_the_axes_are_named_by_what_stands_on_them_and_nothing_is_built_anew():
@@ -68,7 +69,7 @@ def test_the_axes_are_named_by_what_stands_on_them_and_nothing_is_built_anew():
     assert labels == {
         ("run time (s)", "state error at the end, ‖x − x*‖₂"),
         ("evaluations of the field", "error of the last crossing time, |t* − t̂|"),
-        ("run time (s)", "largest |Δψ| between crossings"),
+        ("run time (s)", "largest |Δψ|"),
     }
     assert set(view.figure.references()) == models
 
@@ -114,11 +115,22 @@ def test_a_curve_without_a_point_is_not_in_the_legend():
     assert view.curves.data["label"] == ["dmm2", "heyoka"]
 
 
-def test_an_error_of_zero_is_drawn_below_all_others_and_told_as_it_is():
+def test_errors_of_zero_and_below_the_plot_are_marked_on_its_lower_end_and_told_as_they_are():
     view = CostView()
-    view.show(study(curve("rk4", [1e-4, 1e-3], [1e-20, 0.0])), "seconds", "state")
-    assert 0 < view.points.data["y"][1] < 1e-20
-    assert view.points.data["error"] == ["1.0×10⁻²⁰", "0"]
+    faint = curve("prk8", [1e-4, 1e-3, 1e-2], [1e-5, 1e-20, 0.0])
+    view.show(study(faint), "seconds", "state")
+    level, bottom = view.levels.ticker.ticks
+    assert (level, view.points.data["x"], view.below.data["x"]) == (FLOOR["state"], [1e-4], [1e-3, 1e-2])
+    assert view.below.data["y"] == [bottom, bottom]
+    assert view.below.data["error"] == ["1.0×10⁻²⁰", "0"]
+    assert view.corners.data["y"][0] < bottom < level
+    assert view.levels.names.args["names"][1] == BELOW_RANGE
+    told = "Errors of 0 or below the plot’s range, drawn as downward triangles: prk8, τ = 0.0316 and 1 other setting."
+    assert told in cost_text(study(faint), "seconds", "state")
+    view.show(BOTH, "seconds", "state")
+    assert view.levels.ticker.ticks[1] < 1e-99
+    assert not view.below.data["x"]
+    assert "downward" not in cost_text(BOTH, "seconds", "state")
 
 
 def test_the_setting_is_told_on_a_point():
@@ -163,6 +175,22 @@ def test_the_table_names_the_cheapest_of_ours_and_of_the_external_solvers():
     assert "exact (linear flow)" in words
 
 
+def test_times_that_differ_by_no_more_than_noise_are_a_tie_and_counts_are_not():
+    near = study(curve("dmm2", [1e-4], [1e-4]), curve("dmm4", [1.4e-4], [1e-4]), curve("rk4", [1.6e-4], [1e-4]))
+    assert cost_numbers(near, "seconds", "state").rows[0][1:3] == ("dmm2, τ = 0.1 or dmm4, τ = 0.1", "0.1\u00a0ms")
+    assert cost_numbers(near, "evaluations", "state").rows[0][1] == "dmm2, τ = 0.1"
+    assert "within a factor of 1.5" in cost_numbers(near, "seconds", "state").caption
+    assert "as long" not in cost_numbers(near, "evaluations", "state").caption
+
+
+def test_words_say_what_a_run_time_is_where_it_was_measured_and_whose_field_is_not_compiled():
+    measured = f"Run time is the processor time of one thread, the fastest of 3 repeats, on {processor()}"
+    slow = "; SciPy DOP853 calls a Python function for the field, where that of the others is compiled."
+    assert f"{measured}{slow}" in cost_text(BOTH, "seconds", "state")
+    assert f"{measured}. " in cost_text(study(DMM2, curve("heyoka", [1e-3], [1e-3])), "seconds", "state")
+    assert "Run time" not in cost_text(BOTH, "evaluations", "state")
+
+
 def test_a_run_with_other_crossings_never_wins_and_is_drawn_hollow():
     wrong = curve("rk2", [1e-9, 1e-2], [1e-12, 1e-3], correct_sequence=np.array([False, True]))
     table = cost_numbers(study(DMM2, wrong), "seconds", "state")
@@ -193,7 +221,7 @@ def test_words_say_what_is_missing_and_why():
     words = cost_text(study(late, gone, off, rest), "seconds", "state")
     assert "rk4, τ = 0.0316 and 1 other setting: takes too long." in words
     assert "heyoka: heyoka is not installed." in words
-    assert "rk2: its sequence is not that of the solution’s 8 crossings (drawn hollow)." in words
+    assert "rk2: another sequence of crossings than that of the solution, which has 8 crossings (open sy" in words
     assert "1 setting not measured yet." in words
     assert "1 setting cancelled." in words
 

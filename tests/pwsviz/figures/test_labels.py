@@ -11,7 +11,7 @@ def test_several_surfaces_are_named_by_their_equations():
 
 
 def test_surfaces_of_named_regions_have_no_number_as_no_sign_refers_to_it():
-    assert surface_labels(core.CATALOGUE["thermostat"]) == ["T − δ = 0", "T + δ = 0"]
+    assert surface_labels(core.CATALOGUE["thermostat"]) == ["δ − T = 0", "T + δ = 0"]
     assert surface_labels(RELAY) == ["top − u = 0", "u − 1/2 = 0"]
 
 

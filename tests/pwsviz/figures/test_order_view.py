@@ -23,6 +23,7 @@ from pwsviz.figures.summaries import study_text
 from pwsviz.results.requests import study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
+from pwsviz.text.words import rounded
 
 
 def test_order_plot_has_a_curve_and_a_fit_for_each_number_of_crossings():
@@ -31,7 +32,8 @@ def test_order_plot_has_a_curve_and_a_fit_for_each_number_of_crossings():
         view = OrderView("error")
         view.show(studied(studies, rows))
         assert len(view.curves.data["xs"]) == len(view.fits.data["xs"]) == count
-        assert view.floor.ticker.ticks == [studies[0].fit_above]
+        above = [row.fit_above for row in rows(studies[0])]
+        assert view.floor.ticker.ticks == [min(above), max(above)]
         assert all("slope 2.0" in label or "slope 1.9" in label for label in view.curves.data["label"])
 
 
@@ -63,7 +65,7 @@ def test_the_tables_hold_every_curve_and_fit_that_is_drawn():
 
 
 def one_curve(taus, row, floor):
-    return Studied("rk2", 2, taus, [row], floor, "exact")
+    return Studied("rk2", 2, taus, [replace(row, fit_above=floor)], "exact")
 
 
 def test_several_integrators_have_their_own_looks_and_their_slopes_in_a_table():
@@ -141,7 +143,7 @@ def test_of_errors_that_are_round_off_no_slopes_are_drawn_and_of_none_no_key():
     flat = Row("after", "after", np.array([3e-16, 4e-16, 3e-16]), np.nan, (np.nan, np.nan))
     none = Row("before", "before", np.zeros(3), np.nan, (np.nan, np.nan))
     view = OrderView("error")
-    view.show([Studied("rk2", 2, taus, [none, flat], 1e-14, "exact")])
+    view.show([Studied("rk2", 2, taus, [replace(row, fit_above=1e-14) for row in (none, flat)], "exact")])
     assert view.curves.data["label"] == ["after: no slope"]
     assert view.guides.data["xs"] == list(view.guide_names.data["text"]) == []
     assert not view._fit.visible
@@ -154,23 +156,63 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
     taus = np.geomspace(0.1, 0.01, 6)
     flat = Row("after", "after", np.linspace(8e-12, 1e-11, 6), np.nan, (np.nan, np.nan))
     exact = core.order_study(core.CATALOGUE["harmonic_oscillator"], taus, crossings=(1,))
-    for study, row, words in (
+    later = state_rows(exact)[1]
+    meaning = (
+        ". The lower limit is 50 times the larger of accumulated round-off and the error of the reference; the upper "
+        "is 0.3 times the size of the solution."
+    )
+    for row, words in (
         (
-            replace(exact, floor=7e-13),
-            replace(flat, fit_below=exact.fit_below),
-            f"No slope is fitted, as too few errors lie between 3.5e-11 and {exact.fit_below:.2g}. The lower",
+            replace(flat, fit_above=3.5e-11, fit_below=0.7),
+            f"errors lie between 3.5×10⁻¹¹ and 0.7{meaning}",
         ),
         (
-            exact,
-            state_rows(exact)[1],
-            f"least-squares fits to errors between {exact.fit_above:.2g} and {exact.fit_below:.2g}, from the finest",
+            later,
+            f"fits to errors between {rounded(later.fit_above)} and {rounded(exact.fit_below)}, from the least step "
+            f"size up to the one at which the local slope changes{meaning}",
         ),
     ):
-        view, (shown,) = OrderView("error"), studied([study], lambda _, row=row: [row])
+        view, (shown,) = OrderView("error"), studied([exact], lambda _, row=row: [row])
         view.show([shown])
-        (line,) = view.floor.ticker.ticks
+        line = view.floor.ticker.ticks[0]
         assert words in study_text([shown], early=False)
         assert (row.error > line).any() == np.isfinite(row.slope)
+
+
+def test_where_round_off_grows_the_least_and_the_greatest_limit_of_a_fit_are_told_and_drawn():
+    taus, names = np.geomspace(0.1, 0.01, 6), ("before", "after 9", "after 20")
+    for above, marked in (
+        ((1e-13, 3e-11, 2e-9), ["fits above:\nbefore", "fits above:\nafter 20"]),
+        ((1e-13, 3e-13, 2e-13), ["", "fits above"]),
+    ):
+        rows = [Row(name, name, taus**2, 2.0, (0.01, 0.1), limit) for name, limit in zip(names, above, strict=True)]
+        view, shown = OrderView("error"), Studied("rk2", 2, taus, rows, "exact")
+        view.show([shown])
+        assert view.floor.ticker.ticks == [min(above), max(above)]
+        assert view.floor.names.args["names"] == marked
+        greatest = names[int(np.argmax(above))]
+        words = f"errors above a limit from {rounded(min(above))} before to {rounded(max(above))} {greatest}, and below"
+        assert words in study_text([shown], early=False)
+
+
+def test_why_a_curve_has_no_slope_is_said_of_each_reason():
+    taus, none = np.array([0.1, 0.05, 0.025]), (np.nan, (np.nan, np.nan))
+    fitted = Row("after 9", "after 9", taus**2, 2.0, (0.025, 0.1))
+    exact = Row("before", "before", np.zeros(3), *none, at_round_off=True)
+    few = Row("after 20", "after 20", np.array([1.0, 0.1, 0.01]), *none)
+    never = Row("after 30", "after 30", np.full(3, np.nan), *none)
+    at_round_off = "all errors are near round-off, of the run or of the reference."
+    words = study_text([Studied("rk2", 2, taus, [exact, fitted, few, never], "exact")], early=False)
+    assert f"No slope is fitted before, as {at_round_off}" in words
+    assert "No slope is fitted after 20, as too few errors lie between these limits." in words
+    assert "No slope is fitted after 30, as no error is known." in words
+    assert f"No slope is fitted, as {at_round_off}" in study_text([Studied("rk2", 2, taus, [exact], "exact")], False)
+
+
+def test_the_method_of_second_order_is_at_round_off_on_a_parabola():
+    study = core.order_study("bouncing_ball", [0.1, 0.05, 0.025, 0.0125], crossings=(1, 2))
+    assert np.isnan([*study.state_slope, *study.time_slope]).all()
+    assert all(row.at_round_off for row in (*state_rows(study), *time_rows(study)))
 
 
 def test_the_fitted_line_goes_through_a_power_law():

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from bokeh.core.properties import value
 from bokeh.document import Document
 from bokeh.events import Tap
 from bokeh.models import ColumnDataSource
@@ -25,8 +26,8 @@ TWO = ((-1.0, -1.0), (-0.5, 0.2))
 
 
 @cache
-def pictured(starts=TWO[:1], selected=0, axes=(0, 1), system="elliptic_curve"):
-    scene = Scene(system=system, starts=starts, selected=selected, axes=axes)
+def pictured(starts=TWO[:1], selected=0, axes=(0, 1), system="elliptic_curve", tau=0.01, t_end=20.0):
+    scene = Scene(system=system, starts=starts, selected=selected, axes=axes, tau=tau, t_end=t_end)
     inputs = PortraitInputs.of(scene)
     return scene.declaration, Results().pictures(inputs)
 
@@ -128,6 +129,28 @@ def test_marks_tell_number_time_kind_and_integrator():
     assert np.array_equal(marks["number"], np.concatenate([orbit.numbers for orbit in pictures.orbits]))
     assert set(marks["marker"]) == {KIND_MARKERS["transversal"]}
     assert set(KIND_MARKERS) == set(CROSSING_KINDS)
+
+
+def test_the_legend_explains_the_dots_of_steps_where_there_are_some():
+    view = Watched()
+    (entry,) = [one for one in view.figure.legend[0].items if one.label == value("step")]
+    for tau, marked in ((0.01, False), (0.3, True), (0.01, False)):
+        view.draw(tau=tau)
+        assert (len(view.steps.data["x"]) > 0) is marked
+        assert entry.visible is marked
+
+
+def test_steps_are_marked_until_a_run_returns_to_its_own_path_and_the_legend_says_so():
+    view, period = Watched(), np.pi + np.pi / np.sqrt(3.0)  # half a turn at each of the two frequencies
+    (entry,) = [one for one in view.figure.legend[0].items if one.label == value("step")]
+    start = ((1.0, 0.0),)
+    for end, label in ((4.0, "step"), (20.0, "step (some)")):
+        system, pictures = pictured(start, system="harmonic_oscillator", tau=0.5, t_end=end)
+        view.show_orbits(system, pictures, list(start), 0)
+        first = pictures.orbits[0]
+        assert first.method == "dmm2"
+        assert len(first.steps) == 1 + int(min(end, period) / 0.5)
+        assert entry.label == value(label)
 
 
 def test_a_projection_is_named_on_the_axes():

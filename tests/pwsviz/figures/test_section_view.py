@@ -147,7 +147,7 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
     assert "Start 2 has ended with 1 point by t = 8.25: the motion has come to rest" in section_text(still)
     typed = points(portion(0, [1.0]), section_of="y - a**2", section_discard=9)
     assert "on y − a² = 0, crossed either way." in section_text(typed)
-    assert "without the first 9; integrated by taylor" in section_how(typed)
+    assert "after the first 9 are discarded; integrated by taylor" in section_how(typed)
 
 
 def test_a_table_has_a_row_for_each_point_start_by_start():

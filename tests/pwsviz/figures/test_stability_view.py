@@ -70,7 +70,7 @@ def test_cells_of_the_map_tile_the_range_and_lie_about_their_runs(study):
     whole = np.log(max(data["right"]) / min(data["left"])) * (max(data["top"]) - min(data["bottom"]))
     assert area.sum() == pytest.approx(whole)
     for left, right, tau in zip(data["left"], data["right"], data["tau"], strict=True):
-        assert left < float(tau) < right
+        assert left * 0.99 < float(tau) < right * 1.01
 
 
 @pytest.mark.parametrize("computed", [[0], [0, 4], [1, 2, 4]])
@@ -84,8 +84,8 @@ def test_the_starts_computed_so_far_fill_the_range(study, computed):
     bottom, top = (np.unique(data[name]) for name in ("bottom", "top"))
     assert (bottom[0], top[-1]) == (low, high)
     assert np.array_equal(bottom[1:], top[:-1])
-    assert (bottom < study.map.values[computed]).all()
-    assert (study.map.values[computed] < top).all()
+    assert (bottom <= study.map.values[computed]).all()
+    assert (study.map.values[computed] <= top).all()
 
 
 def test_cells_have_the_colour_and_the_words_of_their_outcome(study):
@@ -195,7 +195,7 @@ def test_the_largest_step_sizes_are_lines_named_after_their_integrators(study):
     view = StabilityView(lambda *place: None)
     view.show(study, "map", "dmm2")
     data = view._made["map"].limits.data
-    assert list(data["entry"]) == [f"no failure up to τ: {name}" for name in METHODS]
+    assert list(data["entry"]) == [f"largest successful τ: {name}" for name in METHODS]
     assert list(data["x"]) == study.largest_tau.tau.tolist()
     assert data["colour"] == [line_of(name).colour for name in METHODS]
 
@@ -225,6 +225,15 @@ def test_every_outcome_has_words_and_different_words_differ_in_colour():
     limits = (core.Status.STEP_LIMIT, core.Status.CROSSING_LIMIT)
     colours = [outcome.colour for code, outcome in OUTCOMES.items() if code not in limits[1:]]
     assert len(set(colours)) == len(colours)
+
+
+def test_in_grey_the_correct_runs_are_lighter_than_all_that_fail():
+    def grey(colour):
+        return sum(share * int(colour[k : k + 2], 16) for share, k in ((0.299, 1), (0.587, 3), (0.114, 5)))
+
+    correct, unjudged = grey(OUTCOMES[core.Status.COMPLETED].colour), OUTCOMES[UNJUDGED]
+    assert all(correct - grey(one.colour) > 60 for one in OUTCOMES.values() if grey(one.colour) < correct)
+    assert [one for one in OUTCOMES.values() if grey(one.colour) > correct] == [unjudged]
 
 
 # Drift and tangency --------------------------------------------------------------------------------------------------
@@ -291,7 +300,7 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
     [
         ("elliptic_curve", 19.0, "to t = 19"),
         ("elliptic_curve", 20.0, "to t = 20.07, as one crossing lies too close to t = 20 for a run to be judged there"),
-        ("type_sliding", 20.0, "to t = 25, to see whether the runs stop where the solution does"),
+        ("type_sliding", 20.0, "from which the solution itself ends before t = 20: a run has to end likewise"),
     ],
 )
 def test_a_study_that_counts_crossings_to_another_time_than_the_end_says_why(system, end, told):
@@ -302,10 +311,40 @@ def test_a_study_that_counts_crossings_to_another_time_than_the_end_says_why(sys
 def test_a_map_of_solutions_that_end_early_says_so(study):
     ends = np.array([core.Status.ESCAPED, core.Status.ESCAPED, core.Status.SLIDING, NO_START, core.Status.COMPLETED])
     early = replace(study, map=replace(study.map, expected=ends))
-    told = "From 3 of 5 starts the solution itself ends before t = 20 (blow-up: 2, sliding: 1)"
+    told = (
+        "For 3 of the 5 initial states the solution itself ends (blow-up: 2, sliding: 1) before t = 20; a run that does"
+    )
     assert told in stability_text(early, "map")
+    gone = np.where(ends == core.Status.SLIDING, core.Status.ESCAPED, ends)
+    blown = stability_text(replace(study, map=replace(study.map, expected=gone)), "map")
+    assert "For 3 of the 5 initial states the solution itself blows up before t = 20; a run" in blown
+    limited = np.where(ends == core.Status.ESCAPED, core.Status.STEP_LIMIT, core.Status.COMPLETED)
+    given_up = stability_text(replace(study, map=replace(study.map, expected=limited)), "map")
+    assert "For 2 of the 5 initial states the reference ends early (step limit: 2); these are not judged." in given_up
+    assert "the solution itself" not in given_up
     completed = replace(study, map=replace(study.map, expected=np.full(5, core.Status.COMPLETED)))
-    assert "ends before" not in stability_text(completed, "map")
+    assert "the solution itself" not in stability_text(completed, "map")
+
+
+def test_the_text_gives_the_grid_the_fixed_coordinates_and_for_which_start_the_lines_hold(study):
+    told = stability_text(study, "map")
+    fixed = ", ".join("·" if k == study.coordinate else f"{x:.6g}" for k, x in enumerate(study.x0))
+    assert told.startswith("6 × 5 values: τ from ")
+    assert f"in the start ({fixed}). The lines “largest successful τ” hold for the chosen start only, to t = " in told
+
+
+def test_an_integrator_that_works_with_every_step_size_is_said_to_do_so_up_to_the_last_one(study):
+    for last, told in ((0.5, "works up to 0.5"), (1.0, "works up to 1, the largest the page offers")):
+        largest = replace(study.largest_tau, taus=np.array([0.1, last]), reason=("", ""))
+        assert stability_numbers(replace(study, largest_tau=largest), "map", "rk2")[0].rows[0][3] == told
+
+
+def test_the_map_ends_at_the_outermost_runs(study):
+    view = StabilityView(lambda *place: None)
+    view.show(study, "map", "rk2")
+    corners = view._made["map"].corners.data
+    assert list(corners["x"]) == pytest.approx(study.map.taus[[0, -1]])
+    assert list(corners["y"]) == list(study.map.values[[0, -1]])
 
 
 def test_a_small_share_is_not_said_to_be_none(study):
@@ -330,7 +369,7 @@ def test_the_tangency_is_told_and_who_misses_it(study):
 def test_nobody_is_judged_where_the_solution_stops(study):
     stopped = replace(study, grazing=replace(study.grazing, expected_met=np.full((2, 14, 4), -1)))
     assert {row[1] for row in stability_numbers(stopped, "grazing", "dmm2")[0].rows} == {"–"}
-    assert "the solution itself stops" in stability_text(stopped, "grazing")
+    assert "the reference ends early" in stability_text(stopped, "grazing")
 
 
 def test_drift_bounds_each_integrator(study):

@@ -12,9 +12,10 @@ from pwsviz.figures.cost import EXTERNAL_LINES
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.marks import ENDS, KIND_COLOURS
 from pwsviz.figures.order import LINES
-from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
 from pwsviz.figures.section import START_COLOURS
 from pwsviz.figures.style import (
+    CALM,
     LEVEL,
     OCCUPIED,
     ON_DARK,
@@ -106,12 +107,12 @@ def painted(colour, page):
 
 def grounds(page):
     """The page, and every shade that may lie on it."""
-    strips = [mixed(shade, side_strips(1).fill_alpha, page) for _, shade in OCCUPIED.values()]
+    strips = [mixed(colour, side_strips(side).fill_alpha, page) for side, (_, colour) in OCCUPIED.items()]
     return [page, *strips]
 
 
 CURVES = {line_of(name).colour for name in core.METHODS} | {line.colour for line in (*LINES, *EXTERNAL_LINES.values())}
-MARKS = {*KIND_COLOURS.values(), *(look.colour for look in ENDS.values()), *START_COLOURS, *ON_DARK}
+MARKS = {*KIND_COLOURS.values(), *(look.colour for look in ENDS.values()), *START_COLOURS, *ON_DARK} - {CALM}
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -127,9 +128,10 @@ def test_every_line_and_mark_of_the_portrait_stands_out_as_it_is_painted(page):
     fills = [one.glyph for one in plot.renderers if isinstance(one.glyph, MultiPolygons)]
     on = [page, *(mixed(painted(one.fill_color, page), one.fill_alpha, page) for one in fills)]
     strokes = {(one.glyph.line_color, one.glyph.line_alpha) for one in plot.renderers
-               if isinstance(one.glyph, Line | MultiLine | Scatter) and one.glyph.line_alpha > 0}  # fmt: skip
+               if isinstance(one.glyph, Line | MultiLine | Scatter) and one.glyph.line_alpha != 0}  # fmt: skip
     assert len(strokes) > 8
-    for given, alpha in strokes:
+    for given, told in strokes:
+        alpha = OTHERS_ALPHA if told == "alpha" else told  # of the player, at least
         for colour in sorted(CURVES | MARKS) if given == "colour" else [] if given == "white" else [given]:
             for ground in on:
                 assert contrast(mixed(painted(colour, page), alpha, ground), ground) >= 3, (given, alpha, ground)
@@ -151,13 +153,16 @@ def test_the_colours_of_one_ground_are_not_those_of_the_other():
 @pytest.mark.parametrize("ground", ["#ffffff", "#1e1e1e"], ids=["light", "dark"])
 @pytest.mark.parametrize("seen", SIGHT.values(), ids=SIGHT)
 def test_no_two_shades_of_regions_are_closer_than_those_of_two_sides_need_be_in_any_sight(seen, ground):
-    alpha, under = side_strips(1).fill_alpha, np.array([int(ground[k : k + 2], 16) for k in (1, 3, 5)])
-    shades = []
-    for shade in REGION_SHADES:
-        over = np.array([int(OCCUPIED[shade][1][k : k + 2], 16) for k in (1, 3, 5)])
-        shades.append("#" + "".join(f"{round(c):02x}" for c in alpha * over + (1 - alpha) * under))
+    shades = [mixed(OCCUPIED[shade][1], side_strips(shade).fill_alpha, ground) for shade in REGION_SHADES]
     for a, b in combinations([*shades, ground], 2):  # 2.3 is just noticed, see above
         assert np.linalg.norm(lab(a, seen) - lab(b, seen)) > 5
+
+
+def test_the_shades_of_two_sides_differ_in_a_print_without_colours():
+    deeper = 1.5  # as `export/picture_layout.js` makes them
+    greys = [0.299 * r + 0.587 * g + 0.114 * b for side in (-1, 1) for r, g, b in
+             [rgb(mixed(OCCUPIED[side][1], deeper * side_strips(side).fill_alpha, "#ffffff"))]]  # fmt: skip
+    assert all(abs(a - b) > 10 for a, b in combinations([*greys, 255], 2))
 
 
 def test_a_legend_shows_every_dash_once():

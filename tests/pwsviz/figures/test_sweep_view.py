@@ -46,7 +46,7 @@ def test_the_figure_shows_points_and_the_whole_range_of_values():
     low, high = view.ends.data["x"]
     assert low < -3.0 < 3.0 < high
     assert view.present.data["x"] == [-2.5]
-    assert view._present.label.value == "present value, a₋ = −2.5"
+    assert view._present.label.value == "current value, a₋ = −2.5"
 
 
 def test_strips_mark_the_values_whose_runs_end_early_and_are_never_empty():
@@ -56,7 +56,7 @@ def test_strips_mark_the_values_whose_runs_end_early_and_are_never_empty():
     assert list(strips["start"]) == [-0.5, 1.5, 2.5]
     assert list(strips["end"]) == [1.5, 2.5, 3.5]
     assert strips["words"] == [
-        OUTCOMES[Status.ESCAPED].words, "fewer crossings than wanted", "no run begins here"
+        OUTCOMES[Status.ESCAPED].words, "fewer crossings than requested", "no run begins here"
     ]  # fmt: skip
     assert view._early.visible
     view.show(diagram([LIMIT] * 7))
@@ -79,16 +79,16 @@ def test_a_click_chooses_a_value():
 def test_words_and_table_say_how_many_values_end_how_and_where():
     words = sweep_text(MIXED, -2.9)
     assert words.startswith("10 points: x on S for 6 values of a₋ from -3 to 3. 2 of them have all their 4 points.")
-    assert "At a₋ = -3, next to the present value, the points repeat after 2, of crossings in both directions." in words
+    assert "At a₋ = -3, next to the current value, the points repeat after 2, of crossings in both directions." in words
     rows = {row[0]: row[1:] for row in sweep_numbers(MIXED).rows}
     assert rows == {
         OUTCOMES[Status.ESCAPED].words: ("2", "0 to 1"),
-        "fewer crossings than wanted by t = 2000": ("1", "2"),
+        "fewer crossings than requested by t = 2000": ("1", "2"),
         "no run begins here": ("1", "3"),
     }
     assert sweep_numbers(diagram([LIMIT] * 7)).rows == ()
     assert "Each has all its 4 points." in sweep_text(diagram([LIMIT] * 7), 9.0)
-    assert "next to the present value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
+    assert "next to the current value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
     assert "None of them" in sweep_text(diagram([DONE] * 7), 0.0)
 
 
@@ -127,8 +127,8 @@ def test_how_names_all_that_repeats_the_diagram():
     assert surface_words(inputs) == "the surface x − 1 = 0, where the function falls"
     how = sweep_how(inputs)
     for words in (
-        "y at crossings", "400 values of a₋ from −8 to 4", "without the first 100", "t = 2000", "next smaller value",
-        "taylor with tolerance 10⁻¹²", "Filippov",
+        "y at crossings", "400 values of a₋ from −8 to 4", "after the first 100 are discarded", "t = 2000",
+        "next smaller value", "taylor with tolerance 10⁻¹²", "Filippov",
     ):  # fmt: skip
         assert words in how, words
     chua = {"system": "chua", "methods": ["taylor"]}
@@ -138,8 +138,8 @@ def test_how_names_all_that_repeats_the_diagram():
 
 def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it():
     one = diagram([LIMIT, *[TO_COME] * 6])
-    assert "next to the present value" in sweep_text(one, -2.1)
-    assert "next to the present value" not in sweep_text(one, -1.9)
+    assert "next to the current value" in sweep_text(one, -2.1)
+    assert "next to the current value" not in sweep_text(one, -1.9)
 
 
 def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
@@ -155,7 +155,7 @@ def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
 
 def test_points_are_said_to_be_states_after_the_reset_map_where_one_acts():
     ball = {"system": "vibrating_table", "methods": ["taylor"]}
-    assert "diagram of φ mod 2π at crossings of S, just after the reset map, for" in sweep_how(
+    assert "shown is φ mod 2π at crossings of S, just after the reset map, for" in sweep_how(
         SweepInputs.of_scene(Scene(**ball))
     )
     other = SweepInputs.of_scene(Scene(**ball, sweep_of="v"))

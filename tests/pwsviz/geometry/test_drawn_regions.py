@@ -10,7 +10,7 @@ from pwsviz.geometry.window import ARROWS, Window
 from tests.pwsviz.own_systems import GATE, STRIPS, WALL, WEDGE
 
 WINDOW = Window(-3.0, 3.1, -2.0, 2.05)
-CELL = WINDOW.width / GRID
+CELL = WINDOW.height / GRID
 SPEED = 1.5
 
 #: A field everywhere in the window, on one side.

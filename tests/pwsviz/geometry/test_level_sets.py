@@ -42,3 +42,15 @@ def test_a_drawn_level_set_ends_half_a_pixel_from_where_a_logarithm_does(draw):
     least = brentq(lambda v: b * (v - np.log(v)) + a - level, 1e-12, 1.0)  # where u = 1
     assert v_low == pytest.approx(least, abs=HALF)
     assert u_low == pytest.approx(nearest, abs=HALF)
+
+
+@pytest.mark.parametrize("draw", range(6))
+def test_a_circle_is_smooth_in_a_window_of_any_shape(draw):
+    rng = np.random.default_rng(draw)
+    (x, y), ratio = rng.uniform(-0.5, 0.5, 2), 3.0 ** rng.uniform(-1, 1)
+    wide, high = 2.4 * max(1.0, ratio), 2.4 * max(1.0, 1 / ratio)
+    view = Window(x - wide, x + wide, y - high, y + high)
+    circle = backdrop(core.CATALOGUE["elliptic_curve"], view.surroundings(), {}).surface
+    line = circle[np.isfinite(circle).all(axis=1)]
+    directions = np.unwrap(np.arctan2(*np.diff(line, axis=0).T))
+    assert np.abs(np.diff(directions)).max() < np.radians(8), "no polygon to the eye on a page"

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import core
+from pwsviz.geometry.projection import surface_texts
 from pwsviz.geometry.section_plane import (
     angles,
     coordinate_names,
-    own_surfaces,
     surface_curves,
     surface_functions,
     usual_plane,
@@ -50,10 +50,11 @@ def test_an_angle_is_what_a_full_turn_leaves_as_it_is():
 
 
 def test_surfaces_are_named_as_core_reads_them():
-    assert own_surfaces(CHUA) == ("x + 1", "x - 1")
+    assert surface_texts(CHUA) == ("x + 1", "x - 1")
     for name, system in core.CATALOGUE.items():
-        for text, g in zip(own_surfaces(system), system.laws.surfaces, strict=True):
+        for text, g in zip(surface_texts(system), system.laws.surfaces, strict=True):
             assert surface_functions(system, text) == (g,), name
+            assert text in (*system.surfaces, *(way.guard for way in system.transitions)), "as it is declared"
     with pytest.raises(ValueError, match="constant"):
         surface_functions(CHUA, "1 + 1")
 

@@ -149,7 +149,8 @@ def test_going_round_the_tabs_twice_computes_each_view_once(explorer):
             explorer.settle(60)
     made = {kind: count - before.get(kind, 0) for kind, count in counts(explorer).items()}
     assert {kind: count for kind, count in made.items() if count} == {
-        "states": 2, "study": 1, "cost": 1, "section": 1, "stability": 1, "sweep": 1, "diagnosis": 1,
+        "states": 2, "study": 1, "cost": 1, "section": 1, "stability": 1, "limits": 1, "sweep": 1,
+        "diagnosis": 1,
     }  # fmt: skip
 
 
@@ -168,6 +169,18 @@ def test_leaving_a_long_study_gives_it_up(explorer):
     explorer.scene.view = "stability"
     assert explorer.settle(60)
     assert explorer.views["stability"].outcome is not None
+
+
+def test_of_stability_the_part_shown_is_offered_as_a_picture_and_none_without_a_tangency(explorer):
+    explorer.scene.use(core.CATALOGUE["damped_oscillator"])
+    explorer.scene.param.update(t_end=2.0, methods=["rk4"], stability_part="drift", view="stability")
+    assert explorer.settle(60)
+    tab = explorer.views["stability"]
+    assert explorer._pieces()[1].figures == [tab.view.figure("drift")]
+    explorer.scene.stability_part = "grazing"
+    assert explorer.settle(60)
+    piece = explorer._pieces()[1]
+    assert (piece.figures, piece.tables, piece.lack) == ([], {}, "this view has no figure.")
 
 
 def test_a_long_study_can_be_cancelled_and_begun_again(explorer):
@@ -245,12 +258,12 @@ def test_the_view_holds_still_while_only_the_step_size_moves(explorer):
 def test_bad_input_is_told_beside_the_field_and_the_picture_stays(explorer):
     shown = explorer.portrait_panel.portrait.orbits.data
     field = explorer.sidebar.tau
-    field.entry.text = "minus one"
+    field.type("minus one")
     explorer.settle(20)
     assert field.entry.complaint
     assert "not a number" in field.entry.complaint
     assert explorer.portrait_panel.portrait.orbits.data is shown
-    field.entry.text = "0.02"
+    field.type("0.02")
     assert not field.entry.complaint
     assert explorer.scene.tau == 0.02
 
@@ -260,7 +273,7 @@ def test_the_slider_and_the_entry_follow_each_other(explorer):
     field.entry.place = -3.0
     assert explorer.scene.tau == 1e-3
     assert field.entry.text == "0.001"
-    field.entry.text = "0.1"
+    field.type("0.1")
     assert field.entry.place == pytest.approx(-1.0)
 
 
@@ -280,7 +293,7 @@ def test_the_fields_of_one_system_become_those_of_the_next(explorer):
     sidebar = explorer.sidebar
     before = dict(sidebar.fields)
     complained = before["values.a_plus"]
-    complained.entry.text = "?"
+    complained.type("?")
     explorer.scene.system = "pendulum"
     assert list(sidebar.fields.values()) == list(before.values())  # three parameters and two coordinates, as before
     assert not complained.entry.complaint
@@ -317,7 +330,7 @@ def test_a_click_places_one_more_trajectory(explorer):
 
 def test_a_dragged_start_moves_and_an_older_complaint_goes(explorer):
     coordinate = explorer.sidebar.fields["x0.0"]
-    coordinate.entry.text = "?"
+    coordinate.type("?")
     assert coordinate.entry.complaint
     explorer.portrait_panel.move(0, -0.8, 0.5)
     explorer.settle(20)
@@ -341,6 +354,24 @@ def test_looking_into_another_trajectory_computes_no_run(explorer):
     explorer.scene.selected = 0
     explorer.settle(20)
     assert counts(explorer)["run"] == runs
+
+
+def test_undo_of_a_zoom_brings_back_the_view_before_it_and_fit_fits_anew(explorer):
+    panel, scene = explorer.portrait_panel, explorer.scene
+    explorer.settle(20)
+    before = panel.portrait.frame
+    scene.place((3.0, 0.0))
+    explorer.settle(20)
+    panel._keep_window(Window(-1.0, 1.0, -1.0, 1.0))
+    for _ in range(2):
+        explorer.history.undo()
+        explorer.settle(20)
+        assert (scene.window, panel.portrait.frame) == (None, before)
+    assert len(scene.starts) == 1
+    scene.place((3.0, 0.0))
+    explorer.settle(20)
+    panel.fit()
+    assert panel.portrait.frame.x_high > before.x_high
 
 
 def test_undo_brings_back_what_was_there(explorer):
@@ -414,7 +445,7 @@ def test_a_system_of_ones_own_is_used_like_any_other(explorer):
     assert explorer.settle(60)
     assert explorer.portrait_panel.trouble.object == ""
     assert "<b>mine</b> (yours)" in explorer.sidebar.system.options
-    explorer.sidebar.fields["values.k"].entry.text = "2"
+    explorer.sidebar.fields["values.k"].type("2")
     for view in VIEWS:
         explorer.scene.param.update(view=view, t_end=5.0, peers=[])
         assert explorer.settle(60)
@@ -445,12 +476,28 @@ def test_a_link_is_adopted_and_what_is_wrong_with_it_is_told(explorer):
     assert explorer.settle(60)
 
 
+def test_the_first_hint_fits_mouse_and_finger(explorer):
+    assert "click or tap in the portrait" in explorer.sidebar.preset_note.object
+
+
+def test_a_complaint_about_a_link_goes_with_the_first_change_of_its_scene(explorer):
+    explorer.adopt("?v=2&tau=2")
+    assert "Step size" in explorer.notice.object
+    explorer.scene.view = "order"
+    explorer.scene.window = (-2.0, 2.0, -2.0, 2.0)
+    assert "Step size" in explorer.notice.object
+    explorer.scene.t_end = 5.0
+    assert explorer.notice.object == ""
+
+
 def test_what_is_taken_away_is_what_is_shown(explorer):
     explorer.scene.view = "order"
     explorer.settle(20)
     portrait, order = explorer._pieces()
     assert len(portrait.tables["curves"]()["t"]) == 2 * 2001
     assert portrait.figures == [explorer.portrait_panel.portrait.figure]
+    for name in ("ψ = ψ(trajectory)", "S attracts", "S repels"):
+        assert f"“{name}”" in portrait.meaning
     assert len(order.tables["errors"]()["error"]) > 20
     explorer.export.open("http://here/app")
     assert explorer.export.link.value.startswith("http://here/app?v=2")
@@ -463,7 +510,7 @@ def test_captions_speak_of_sliding_where_a_run_slides(explorer, system, slides):
     explorer.settle(20)
     for piece in explorer._pieces():
         told = caption(explorer.scene, piece.title, **piece.origin)
-        assert ("sliding along it" in told) == slides
+        assert ("sliding solution is followed" in told) == slides
 
 
 def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
@@ -472,7 +519,7 @@ def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
     last = explorer.view.outcome[0].times[-1]
     told = explorer.view.words.object
     assert last > explorer.scene.t_end
-    assert f" and {last:.4g}, halfway from crossing 10, 20 and 30 to the next" in told
+    assert f" and {last:.4g}, halfway from crossing 10, 20 and 30 to the next (“after”)" in told
     assert "The end time has no effect here." in told
     assert "page" not in explorer.view.how(explorer.view.outcome)
     assert "sliding begins and ends with a crossing, and both are counted" in told
@@ -484,6 +531,10 @@ def test_where_no_step_is_made_the_view_says_why(explorer):
     explorer.settle(20)
     assert "No step was made" in explorer.view.words.object
     assert not explorer.view.plots[0].visible
+    explorer.scene.load({"view": "conserved"})
+    explorer.settle(20)
+    assert explorer.view.plots[0].visible, "the figure comes back with the next run"
+    assert explorer.view.plots[0].object.visible
 
 
 def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
@@ -495,7 +546,7 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
         changes = np.count_nonzero(np.diff(curve.sliding[1:]))
         assert changes
         assert len(xs) == len(ys) == len(curve.t) - 1 + changes
-    assert "round-off” is 2ε times the largest size of ψ’s terms" in explorer._pieces()[1].meaning
+    assert "round-off” is 2 × 2⁻⁵² times the largest value so far of |ψ| + Σ" in explorer._pieces()[1].meaning
     explorer.scene.load({"system": "stick_slip", "view": "conserved"})
     explorer.scene.view = "conserved"
     explorer.settle(20)
@@ -546,9 +597,20 @@ def test_no_figure_of_another_system_stays_where_a_study_is_refused(explorer):
     assert explorer.settle(60)
     assert "at least two crossings" in explorer.view.words.object
     assert all(pane.styles["visibility"] == "hidden" for pane in explorer.view.plots)
+    assert not any(pane.visible for pane in explorer.view.plots), "the reason stands where the figure would"
     explorer.scene.accept("system", "pendulum")
     assert explorer.settle(60)
-    assert all(pane.styles["visibility"] == "inherit" for pane in explorer.view.plots)
+    assert all(pane.visible and pane.styles["visibility"] == "inherit" for pane in explorer.view.plots)
+
+
+def test_where_all_errors_are_0_the_order_has_words_and_no_empty_figure(explorer):
+    explorer.scene.load({"system": "bouncing_ball", "methods": ["dmm2"], "view": "time"})
+    assert explorer.settle(60)
+    assert "No slope is fitted, as all errors are near round-off" in explorer.view.words.object
+    assert explorer._pieces()[1].figures == []
+    explorer.scene.accept("system", "elliptic_curve")
+    assert explorer.settle(60)
+    assert len(explorer._pieces()[1].figures) == 1
 
 
 #: In two dimensions, in three, without ψ, with jumps, with two surfaces.
@@ -715,6 +777,41 @@ def test_a_view_added_from_outside_is_in_the_page_in_links_and_in_the_export(mon
     explorer.close()
 
 
+def test_while_the_first_integrators_are_compiled_the_portrait_shows_field_surface_and_starts():
+    compiled = Event()
+
+    class Compiling(Results):
+        def pictures(self, *given):
+            compiled.wait(60)
+            return super().pictures(*given)
+
+    page = Explorer(Scene(), Compiling())
+    panel = page.portrait_panel
+    panel._submit_ground()  # as a page does that still waits after `REMIND`
+    assert page.scheduler._lanes["ground"].join(30)
+    drawn = panel.portrait
+    assert drawn.ground.surface.data["x"].size > 50
+    assert drawn.starts.data["x"] == [-1.0]
+    assert not len(drawn.orbits.data["xs"])
+    assert panel.pane.styles["visibility"] == "inherit"
+    compiled.set()
+    assert page.settle(60)
+    assert len(drawn.orbits.data["xs"]) == 2
+    page.close()
+
+
+def test_the_picture_of_another_system_is_faded_at_once_and_gets_no_star_of_the_new_one(explorer):
+    panel, late = explorer.portrait_panel, explorer.portrait_panel.shown
+    explorer.scene.param.update(system="pendulum")
+    assert panel.pane.styles["opacity"] != "1" or panel.shown is not late
+    assert explorer.settle(60)
+    assert panel.pane.styles["opacity"] == "1"
+    stars = dict(panel.portrait.starts.data)
+    panel._show(late)  # as it may come if another system is chosen meanwhile
+    assert panel.shown is not late
+    assert dict(panel.portrait.starts.data) == stars
+
+
 def test_nothing_is_seen_of_a_figure_before_there_is_something_in_it():
     results, go = Results(), Event()
 
@@ -757,7 +854,7 @@ def test_what_a_study_does_at_crossings_stands_in_its_caption(explorer, view):
     assert explorer.settle(60)
     how = explorer._pieces()[1].how
     assert "crossings located by the transition scheme" in how
-    assert ("sliding along it" in how) == (view in ("stability", "section")), "no run of the others slides"
+    assert ("sliding solution is followed" in how) == (view in ("stability", "section")), "no run of the others slides"
     assert ("their times perturbed by 2·τ" in how) == (view == "order"), "others do not perturb"
 
 
@@ -765,7 +862,7 @@ def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbe
     for settings, told in (
         (
             {"system": "rigid_body", "methods": ["dmm2"]},
-            "Of the 2 conserved quantities, the one with the largest error",
+            "The largest |Δψ| of the 2 conserved quantities is drawn at each time.",
         ),
         ({"perturbation_order": 1}, "A perturbed crossing lies off the surface"),
     ):

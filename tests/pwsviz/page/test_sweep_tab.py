@@ -83,8 +83,8 @@ def test_the_controls_follow_the_scene(page):
     assert next(iter(controls.surface.options.values())) == ""
     scene.accept("sweep_parameter", "decay")
     assert controls.parameter.value == "decay"
-    assert [field.entry.text for field in controls.ends] == ["0.05", "5.0"]
-    controls.ends[1].entry.text = "2"
+    assert [field.entry.text for field in controls.ends] == ["0.05", "5"]
+    controls.ends[1].type("2")
     assert scene.sweep_range == (0.05, 2.0)
     controls._coordinate.value = "v"
     assert scene.sweep_coordinate == "v"
@@ -148,5 +148,5 @@ def test_a_diagram_without_points_leaves_its_room_to_the_words():
 def test_a_diagram_that_stays_in_sight_while_another_is_prepared_is_called_the_former_one():
     page = opened()
     page.view.begin()
-    assert "former result" in page.view.progress._words.object
+    assert "previous result" in page.view.progress._words.object
     page.close()

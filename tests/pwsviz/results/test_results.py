@@ -78,7 +78,7 @@ def test_cost_and_stability_step_over_the_surface_where_the_page_does(inputs, na
     monkeypatch.setattr(core, name, lambda *_, transition, **__: asked.append(transition))
     for locate in (True, False):
         getattr(Results(), {"work_precision": "cost", "stability_study": "stability"}[name])(
-            inputs.of(Scene(locate=locate))
+            inputs.of(Scene(locate=locate, stability_part="drift"))
         )
     assert asked == ["mannshardt", "none"]
 

@@ -53,6 +53,7 @@ CHOICES = {
     "axes": st.permutations(range(4)).map(lambda order: tuple(order[:2])),
     "window": st.one_of(st.none(), st.tuples(NUMBERS, NUMBERS, NUMBERS, NUMBERS)),
     "stability_coordinate": st.integers(0, 3),
+    "stability_around": st.one_of(st.none(), NUMBERS),
     "section_of": st.sampled_from(["", "x - 1", "2x² - y/3", "sin(t/2)", "u", "nonsense("]),
     "section_direction": st.sampled_from([-1, 0, 1]),
     "section_axes": st.one_of(st.none(), st.permutations(range(4)).map(lambda order: tuple(order[:2]))),
@@ -142,8 +143,8 @@ def test_what_every_scene_shows_comes_back_bit_by_bit(actions):
 OF_OTHERS = {
     "view": {
         "study_method": "rk2", "order_all": True, "peers": [], "cost_up": "time", "stability_part": "drift",
-        "stability_shown": "slope", "stability_coordinate": 1, "section_of": "x", "section_map": True,
-        "section_points": 7, "sweep_values": 7, "sweep_of": "x",
+        "stability_shown": "slope", "stability_coordinate": 1, "stability_around": 2.0, "section_of": "x",
+        "section_map": True, "section_points": 7, "sweep_values": 7, "sweep_of": "x",
     },
     "methods": {"tolerance": 1e-9},
     "perturbation_order": {"perturbation_scale": 2.0},

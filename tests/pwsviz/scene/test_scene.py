@@ -228,6 +228,7 @@ def test_the_selected_trajectory_stays_selected_when_an_earlier_one_goes():
         ("perturbation_order", 5, "is not one of"),
         ("perturbation_order", True, "is not one of"),
         ("stability_coordinate", 2, "between 0 and 1"),
+        ("stability_around", 1e9, "between"),
         ("colour", "red", "not a setting"),
     ],
 )

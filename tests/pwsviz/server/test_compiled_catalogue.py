@@ -21,7 +21,7 @@ Results().pictures(PortraitInputs.of(Scene(system=sys.argv[1])))
 
 def run(cache, *command):
     environment = {**os.environ, "PWSVIZ_CACHE": str(cache)}
-    subprocess.run([sys.executable, *command], check=True, cwd=ROOT, env=environment, timeout=300)
+    subprocess.run([sys.executable, *command], check=True, cwd=ROOT, env=environment, timeout=900)
     return {path for path in cache.rglob("*") if path.is_file()}
 
 
@@ -43,7 +43,7 @@ def test_one_process_compiles_however_many_visitors_come():
 def test_a_page_declares_only_the_system_that_it_shows():
     code = "import sys; from pwsviz.page.explorer import Explorer; Explorer(); print(*sys.modules)"
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=300, check=True
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=900, check=True
     )
     declared = set(done.stdout.split()) & {f"core.systems.{name}" for name in core.CATALOGUE}
     assert declared == {"core.systems.elliptic_curve"}

@@ -189,3 +189,22 @@ def test_what_comes_after_the_server_has_stopped_is_let_go(served):
 
     delivery = in_a_loop(serve())
     delivery(lambda: pytest.fail("there is nobody to show it to"))
+
+
+@pytest.mark.parametrize("lacking", [False, True])
+def test_what_comes_after_the_session_has_ended_is_let_go(served, monkeypatch, lacking):
+    document, _ = served
+    monkeypatch.setattr(event_loop, "TOGETHER", 0.01)
+    complaints = []
+
+    async def serve():
+        asyncio.get_running_loop().set_exception_handler(lambda _loop, context: complaints.append(context))
+        with set_curdoc(document):
+            delivery = Delivery()
+        document.on_change(print)
+        delivery(lambda: pytest.fail("there is nobody to show it to"), lacking=lambda: lacking)
+        document.destroy(print)  # the server's session listens to changes and is forgotten here
+        await asyncio.sleep(0.05)
+
+    in_a_loop(serve())
+    assert complaints == []

@@ -87,7 +87,7 @@ def test_words_for_counts_and_times():
     ("parameter", "shown"),
     [
         (core.Parameter("a_minus", 1.0), "a₋"),
-        (core.Parameter("omega2_plus", 1.0, latex=r"\omega^2_{+}"), "ω²₊"),
+        (core.Parameter("omega2_plus", 1.0, latex=r"\omega^2_{+}"), "ω₊²"),
         (core.Parameter("radius", 1.0, latex="r"), "r"),
         (core.Parameter("k", 1.0), "k"),
         (core.Parameter("k12", 1.0), "k₁₂"),

@@ -37,11 +37,20 @@ class Number:
 )
 def test_a_formula_stays_in_its_field_with_its_value_beside_until_the_number_changes(typed, shown):
     number = Number(1.0)
-    number.field.entry.text = typed
+    number.field.type(typed)
     assert number.shown == shown
     assert number.value == value_of(typed)
     number.field.entry.place = 7.25
     assert number.shown == ("7.25", "")
+
+
+def test_a_refusal_names_the_number_that_is_used_still():
+    number = Number(0.25)
+    number.field.type("0.25 apples")
+    assert number.field.entry.text == "0.25 apples"
+    assert number.field.entry.complaint.endswith(". Still in use: 0.25.")
+    number.field.type("0.5")
+    assert not number.field.entry.complaint
 
 
 def test_a_ratio_is_shown_as_one():

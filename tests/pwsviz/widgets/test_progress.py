@@ -23,7 +23,7 @@ def test_a_result_that_stays_in_sight_meanwhile_is_called_the_former_one():
     progress.begin()
     assert progress._words.object == "preparing …"
     progress.begin(former=True)
-    assert progress._words.object == "preparing … (below: the former result)"
+    assert progress._words.object == "preparing … (the previous result is shown below)"
 
 
 def test_what_was_cancelled_can_be_begun_again():
