@@ -81,7 +81,7 @@ _WORDS = {
     ),
     Status.ZENO: (
         "crossings or jumps come ever closer and accumulate here (Zeno)",
-        "These laws do not determine the motion beyond this time; continue it with another system.",
+        "These laws do not determine the motion beyond this time. What follows, such as rest, needs a law of its own.",
     ),
     Status.CROSSING_LIMIT: ("the limit of crossings is reached", "Raise the limit (max_crossings) to continue."),
     Status.STEP_LIMIT: (
@@ -120,7 +120,7 @@ _WHILE_SLIDING = {
 
 _ADVICE_WHILE_SLIDING = {
     Status.GRAZING: "Change the initial condition or a parameter slightly.",
-    Status.CORNER: "End the run before, or continue it with another system.",
+    Status.CORNER: "End the run before.",
 }
 
 _WITHOUT_TAU = {

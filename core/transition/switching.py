@@ -172,10 +172,13 @@ def elapsed(run):
 
 @internal
 def touch(context, surface):
-    """Status where the state touches a surface at which it jumps if it arrives: whether it does, rounding hides."""
+    """Status and kind where the state meets a surface at which it jumps if it arrives: whether it does, rounding hides.
+
+    Where it came in ever shorter times this is one more of its jumps, else it touches the surface.
+    """
     w, visit = context.w, visit_of(surface)
     comes_closer = w[visit + SHRINKING] >= _COMING and since_visit(context.run, w, visit) < w[visit + GAP]
-    return _ZENO if comes_closer else _GRAZING
+    return (_ZENO, _JUMP_KIND) if comes_closer else (_GRAZING, _GRAZING_KIND)
 
 
 @internal
@@ -257,12 +260,12 @@ def switch_mode(context, log, found):
         status, kind = _CORNER, _CORNER_KIND
     elif guard.jump != NO_JUMP:
         if run.follow == 1 and run.chain == 0 and not own < 0.0:  # it touches the surface: see `touch`
-            status, kind = _UNSTABLE if against else touch(context, guard.surface), _GRAZING_KIND
+            status, kind = (_UNSTABLE, _GRAZING_KIND) if against else touch(context, guard.surface)
             row, rate = here, own
         else:
             status, kind, row, rate = jump(context)
             if status == _RUNNING and is_lost_in_rounding(context, own, rate):
-                status, kind = touch(context, guard.surface), _GRAZING_KIND
+                status, kind = touch(context, guard.surface)
         at = 0 if run.leaving == 0 else 1 << run.guard if row == here else at
         hit.rate_after = along * (-run.sign if row == guard.to else run.sign) * rate
     else:

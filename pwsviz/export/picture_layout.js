@@ -1,6 +1,7 @@
 // A figure laid out anew for a picture of a given width: text keeps its size, and everything is inside.
 
 import { typeset } from "./picture_letters.js"
+import { with_keys, with_markers } from "./picture_markers.js"
 import { copied, with_names_placed } from "./picture_names.js"
 
 export const FONT = "DejaVu Sans"
@@ -154,26 +155,28 @@ const fitted_legend = (legend, seen, width) => {
 // With `seen`, the layout before this one, in pixels: what is left and right of the frame, its height, and its scale.
 const copy_of = async (view, width, printed, { height, inset }, seen) => {
   const { model } = view, looks = printed ? PRINTED : {}
+  const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
+  const ranges = [range(model.x_range), range(model.y_range)], [left, right] = [seen.left + inset, seen.right + inset]
+  const frame = { width: Math.round(width - left - right), height: Math.round(height) }
+  const letters = { text_font: { value: FONT }, text_font_size: { value: `${SMALL}px` } }
+  const named = await with_names_placed(model.renderers, ranges, frame, letters)
+  const logarithmic = [model.x_scale, model.y_scale].map(({ type }) => type == "LogScale")
+  const { renderers, markers } = printed ? with_markers(named, ranges, logarithmic, frame) : { renderers: named }
   const part = (one, side) => {
     const kind = kind_of(one)
     if (kind == null) return one
     const changes = { ...SIZES[kind], ...looks[kind] }
     if (kind == "axis") return copied(one, { ...changes, ...fitted_axis(one, side, seen, width) })
-    if (kind == "legend") return copied(one, { ...changes, ...fitted_legend(one, seen, width) })
+    if (kind == "legend") return copied(one, { ...changes, ...fitted_legend(one, seen, width), items: with_keys(one.items, markers) })
     if (kind == "bar") return copied(one, changes)
     return copied(one, { ...changes, axis: null, ticker: one.ticker ?? one.axis?.ticker })
   }
-  const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
-  const ranges = [range(model.x_range), range(model.y_range)], [left, right] = [seen.left + inset, seen.right + inset]
-  const frame = { width: Math.round(width - left - right), height: Math.round(height) }
-  const letters = { text_font: { value: FONT }, text_font_size: { value: `${SMALL}px` } }
   return copied(model, {
     ...looks.plot, min_border_left: left, min_border_right: right,
     sizing_mode: "fixed", width: null, height: null, styles: {}, match_aspect: false,
     output_backend: "svg",  // the legend is drawn on layers of its own
     frame_width: frame.width, frame_height: frame.height,
-    renderers: await with_names_placed(model.renderers, ranges, frame, letters),
-    x_range: ranges[0], y_range: ranges[1], toolbar_location: null,
+    renderers, x_range: ranges[0], y_range: ranges[1], toolbar_location: null,
     toolbar: new model.toolbar.constructor({ tools: [] }),
     ...Object.fromEntries(["left", "right", "above", "below", "center"].map(
       place => [place, model[place].map(one => part(one, place))])),

@@ -37,6 +37,7 @@ class PictureFiles:
             "pictures.js",
             "picture_layout.js",
             "picture_letters.js",
+            "picture_markers.js",
             "picture_names.js",
             "vendor/jspdf.umd.min.js",
             "vendor/svg2pdf.umd.min.js",

@@ -18,6 +18,7 @@ from pwsviz.figures.style import (
     BELOW_RANGE,
     BESIDE,
     LEVEL,
+    LOOK_COLUMNS,
     OCCUPIED,
     assign,
     crossing_tips,
@@ -26,6 +27,7 @@ from pwsviz.figures.style import (
     invisible,
     legend_lines,
     line_of,
+    look_columns,
     mark_levels,
     plain_figure,
     run_lines,
@@ -33,7 +35,6 @@ from pwsviz.figures.style import (
     show_methods,
     side_strips,
     tips,
-    together,
     unseen,
     widths_in_time,
 )
@@ -89,7 +90,7 @@ class ConservedView:
 
     def _curve_glyphs(self) -> None:
         plot = self.figure
-        columns = ("xs", "ys", "method", "colour", "dash", "width")
+        columns = ("xs", "ys", *LOOK_COLUMNS, "width")
         self.methods, self.keys = legend_lines(plot)
         self.round_off = ColumnDataSource({"t": [], "y": []})
         plot.add_glyph(self.round_off, Line(x="t", y="y", **LEVEL))
@@ -124,21 +125,19 @@ class ConservedView:
             Of the first integrator's run. Without them all crossings have the same marker, and a crossing under the
             pointer is marked in the portrait only if it has a mark there.
         """
-        lines = together(line_of(curve.method) for curve in errors)
+        methods = [curve.method for curve in errors]
         heights = [drawable(curve.error[1:]) for curve in errors]
         lines_drawn = [_apart(curve, y) for curve, y in zip(errors, heights, strict=True)]
         assign(
             self.curves,
             xs=[t for t, _ in lines_drawn],
             ys=[y for _, y in lines_drawn],
-            method=[curve.method for curve in errors],
-            colour=[line.colour for line in lines],
-            dash=[list(line.dash) for line in lines],
-            width=widths_in_time(lines),
+            **look_columns(methods),
+            width=widths_in_time(methods),
         )
         self.figure.yaxis[0].axis_label = axis_name(errors)
         self._show_exits(errors, heights)
-        show_methods(self.methods, [curve.method for curve in errors])
+        show_methods(self.methods, methods)
         self._show_segments(errors[0])
         self._show_ticks(errors[0], landmarks)
         self._show_round_off(errors[0])

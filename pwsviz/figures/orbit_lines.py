@@ -9,7 +9,7 @@ import numpy as np
 
 import core
 from pwsviz.figures.sent_arrays import sent
-from pwsviz.figures.style import WIDEST, line_of, together
+from pwsviz.figures.style import WIDEST, line_of, look_columns, together
 from pwsviz.geometry.turns import spacing
 from pwsviz.geometry.window import Window
 from pwsviz.results.orbits import Orbit
@@ -30,13 +30,10 @@ THINNEST = 0.7
 
 def curve_columns(orbits: Sequence[Orbit], view: Window | None, thinner: float = 1.0) -> dict[str, list[Any]]:
     """Return a row for each orbit, of curves `thinner` times as wide as usual."""
-    lines = together(line_of(orbit.method) for orbit in orbits)
     return {
         "xs": sent([orbit.path[:, 0] for orbit in orbits]),
         "ys": sent([orbit.path[:, 1] for orbit in orbits]),
-        "method": [orbit.method for orbit in orbits],
-        "colour": [line.colour for line in lines],
-        "dash": [list(line.dash) for line in lines],
+        **look_columns([orbit.method for orbit in orbits]),
         "width": fitted_widths(orbits, view, thinner),
     }
 

@@ -28,6 +28,7 @@ from pwsviz.figures.orbit_lines import OF_OTHERS, alongside_columns, curve_colum
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
     AMBER,
+    LOOK_COLUMNS,
     VERMILION,
     assign,
     crossing_tips,
@@ -163,7 +164,7 @@ class PortraitView:
 
     def _orbit_glyphs(self) -> None:
         plot = self.figure
-        columns = ("xs", "ys", "method", "colour", "dash", "width")
+        columns = ("xs", "ys", *LOOK_COLUMNS, "width")
         looks: dict[str, Any] = {
             "line_color": "colour",
             "line_dash": "dash",

@@ -17,14 +17,15 @@ from pwsviz.figures.stability_text import side_words, wrong_number
 from pwsviz.figures.style import (
     BELOW_RANGE,
     BESIDE,
+    LOOK_COLUMNS,
     VERMILION,
     assign,
     fit_to_corners,
     line_of,
+    look_columns,
     mark_levels,
     plain_figure,
     tips,
-    together,
     widths_in_time,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
@@ -34,7 +35,7 @@ from pwsviz.text.numbers import printed
 
 __all__ = ["DriftFigure", "GrazingFigure"]
 
-_CURVE = ("xs", "ys", "method", "colour", "dash", "width")
+_CURVE = ("xs", "ys", *LOOK_COLUMNS, "width")
 
 
 class DriftFigure:
@@ -154,15 +155,7 @@ def _lines(plot: Any, source: ColumnDataSource) -> Any:
 
 def _columns(methods: tuple[str, ...], xs: list[Floats], ys: list[Floats]) -> dict[str, list[Any]]:
     """Return the columns of curves, one for each of the integrators named."""
-    lines = together(map(line_of, methods))
-    return {
-        "xs": xs,
-        "ys": ys,
-        "method": list(methods),
-        "colour": [line.colour for line in lines],
-        "dash": [list(line.dash) for line in lines],
-        "width": widths_in_time(lines),
-    }
+    return {"xs": xs, "ys": ys, **look_columns(methods), "width": widths_in_time(methods)}
 
 
 def _heights(grazing: Grazing, k: int, side: int) -> Floats:

@@ -19,18 +19,19 @@ from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     BESIDE,
     HEIGHT,
+    LOOK_COLUMNS,
     OCCUPIED,
     ROOM,
     assign,
     crossing_tips,
     invisible,
     line_of,
+    look_columns,
     plain_figure,
     run_lines,
     segments,
     side_strips,
     tips,
-    together,
     unseen,
     widths_in_time,
 )
@@ -99,7 +100,7 @@ class Panel:
         self.bands = {
             side: self.figure.add_glyph(source, side_strips(side)) for side, source in shared.segments.items()
         }
-        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "method", "colour", "dash", "width")})
+        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", *LOOK_COLUMNS, "width")})
         self.steps = ColumnDataSource({name: [] for name in ("t", "y", "colour")})
         # Below the curves: dots of one integrator would hide the curve of another.
         self.figure.add_glyph(self.steps, Scatter(x="t", line_color="colour", fill_color="colour", size=4))
@@ -136,20 +137,17 @@ class Panel:
 
     def show(self, k: int, runs: Sequence[StateCurves]) -> None:
         """Draw the k-th coordinate of the runs."""
-        looks = together(line_of(run.method) for run in runs)
         self.curves.data = {
             "xs": [run.curves[k][0] for run in runs],
             "ys": [run.curves[k][1] for run in runs],
-            "method": [run.method for run in runs],
-            "colour": [look.colour for look in looks],
-            "dash": [list(look.dash) for look in looks],
-            "width": widths_in_time(looks),
+            **look_columns([run.method for run in runs]),
+            "width": widths_in_time(run.method for run in runs),
         }
         assign(
             self.steps,
             t=np.concatenate([run.steps[0] for run in runs]),
             y=np.concatenate([run.steps[1][:, k] for run in runs]),
-            colour=[look.colour for run, look in zip(runs, looks, strict=True) for _ in run.steps[0]],
+            colour=[line_of(run.method).colour for run in runs for _ in run.steps[0]],
         )
         assign(self.corners, x=[0.0, 0.0], y=list(_range([run.bounds[k] for run in runs])))
 

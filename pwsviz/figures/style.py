@@ -176,10 +176,26 @@ def together(lines: Iterable[Line]) -> list[Line]:
     return [line._replace(width=widths[line]) for line in found]
 
 
-def widths_in_time(lines: Sequence[Line]) -> list[float]:
-    """Return the widths of the curves of `together` against time, where they wind closely."""
+def widths_in_time(methods: Iterable[str]) -> list[float]:
+    """Return the widths of curves of integrators against time, where they wind closely."""
+    lines = together(map(line_of, methods))
     alike = len(set(lines)) == 1
     return [NARROWEST if alike else SLIM * line.width for line in lines]
+
+
+LOOK_COLUMNS = ("method", "colour", "dash", "marker")
+"""Columns of curves by integrator, see `look_columns`; in print dashed ones have markers (see `picture_markers.js`)."""
+
+
+def look_columns(methods: Sequence[str]) -> dict[str, list[Any]]:
+    """Return `LOOK_COLUMNS` of curves that are drawn together, of these integrators."""
+    lines = together(map(line_of, methods))
+    return {
+        "method": list(methods),
+        "colour": [line.colour for line in lines],
+        "dash": [list(line.dash) for line in lines],
+        "marker": [line.marker for line in lines],
+    }
 
 
 def plain_figure(summary: str, **options: Any) -> figure:
@@ -343,7 +359,7 @@ def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
 
 def legend_lines(plot: figure) -> tuple[ColumnDataSource, Any]:
     """Return a source of methods, whose looks `show_methods` sets, and what a legend draws of them: no curve."""
-    source = ColumnDataSource({name: [] for name in ("xs", "ys", "method", "colour", "dash")})
+    source = ColumnDataSource({name: [] for name in ("xs", "ys", *LOOK_COLUMNS)})
     look: dict[str, Any] = {"line_color": "colour", "line_dash": "dash", "line_width": LEGEND_WIDTH}
     return source, plot.add_glyph(source, MultiLine(**look))
 
@@ -353,11 +369,8 @@ def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
     names = list(dict.fromkeys(methods))
     if names == source.data["method"]:
         return
-    lines = together(map(line_of, names))
-    source.data = {
-        "xs": [[np.nan]] * len(names), "ys": [[np.nan]] * len(names), "method": names,
-        "colour": [line.colour for line in lines], "dash": [list(line.dash) for line in lines],
-    }  # fmt: skip
+    nowhere = [[np.nan]] * len(names)
+    source.data = {"xs": nowhere, "ys": nowhere, **look_columns(names)}
 
 
 def unseen(columns: Iterable[str]) -> ColumnDataSource:

@@ -183,8 +183,9 @@ class Explorer(pn.viewable.Viewer):
             self.scheduler.cancel("view")
             self.scheduler.forget("view")
             return
-        show, advance = partial(self._show, view, wanted), partial(self._advance, view, wanted)
-        view.expect(self.scene.declaration)
+        system = self.scene.declaration
+        show, advance = partial(self._show, view, system, wanted), partial(self._advance, view, system, wanted)
+        view.expect(system)
         view.announce()
         submitted = self.scheduler.submit(
             "view", (self.scene.view, wanted), partial(view.compute, wanted), show, advance, view.quiet, view.patience
@@ -200,17 +201,24 @@ class Explorer(pn.viewable.Viewer):
             if other is not view and other.built and isinstance(other, LongTab):
                 other.progress.end()
 
-    def _is_overtaken(self, view: Tab, wanted: Any) -> bool:
-        """Whether the scene has changed since the last refresh, such that a view wants other inputs than these."""
-        return bool(self._changed_settings) and view.inputs() != wanted
+    def _is_overtaken(self, view: Tab, system: core.PiecewiseSystem, wanted: Any) -> bool:
+        """Whether these inputs are no longer those of the scene, such that it lacks what would be drawn of them.
 
-    def _advance(self, view: Tab, wanted: Any, done: int, total: int, part: Any) -> None:
-        if view is self.view and not self._is_overtaken(view, wanted):
+        Under a dragged slider a view that takes no time shows one result after the other, each a little late. A study
+        may be of integrators that are not chosen any more.
+        """
+        if view.inputs() == wanted:
+            return False
+        return isinstance(view, LongTab) or bool(self._changed_settings) or system != self.scene.declaration
+
+    def _advance(self, view: Tab, system: core.PiecewiseSystem, wanted: Any, done: int, total: int, part: Any) -> None:
+        if view is self.view and not self._is_overtaken(view, system, wanted):
             view.advance(done, total, part)
 
-    def _show(self, view: Tab, wanted: Any, outcome: Any) -> None:
-        if self._is_overtaken(view, wanted):  # its coordinates may not be those of the scene any more
-            self.scheduler.forget("view")
+    def _show(self, view: Tab, system: core.PiecewiseSystem, wanted: Any, outcome: Any) -> None:
+        if self._is_overtaken(view, system, wanted):
+            if self._changed_settings:  # they may be wanted again by the time these are looked at
+                self.scheduler.forget("view")
             return
         view.present(wanted, outcome)
         if isinstance(outcome, Exception):

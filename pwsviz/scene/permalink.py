@@ -22,6 +22,7 @@ from pwsviz.scene.sweeping import COUNTS
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 from pwsviz.scene.views import VIEWS
 from pwsviz.text.advice import on_page
+from pwsviz.text.numbers import shortest
 
 VERSION = 2
 """Of the format; a link of an unknown version is read as this one, with a complaint."""
@@ -148,6 +149,8 @@ def _shown_text(scene: Scene, key: str) -> str:
         return choice_name(key, value)
     if isinstance(value, list):
         return ", ".join(choice_name(key, one) for one in value) or "none"
+    if isinstance(value, float):
+        return shortest(value)
     return _text(scene, key).replace(",", ", ") or "none"
 
 
@@ -218,7 +221,7 @@ class _Reader:
         self._wrong.append((wrong, instead))
 
     def _complain_of(self, key: str, reason: ValueError) -> None:
-        self._complain(f"{LABELS[key]} in the link: {shown(str(reason).rstrip('.'), MAX_REASON)}.", key)
+        self._complain(f"“{LABELS[key]}” in the link: {shown(str(reason).rstrip('.'), MAX_REASON)}.", key)
 
     def _split(self, text: str) -> dict[str, str]:
         """Return the value of each key; a repeated key keeps its first value."""
@@ -260,7 +263,7 @@ class _Reader:
             self._given[key] = ",".join(dict.fromkeys(kept))
             for name in [name for name in names if name not in known]:
                 offered = ", ".join(choice_name(key, one) for one in known)
-                self._complain(f"{LABELS[key]} in the link: “{shown(name)}” is not one of {offered}.")
+                self._complain(f"“{LABELS[key]}” in the link: “{shown(name)}” is not one of {offered}.")
 
     def _take_parameters(self) -> None:
         for parameter in self.scene.declaration.parameters:
@@ -269,8 +272,8 @@ class _Reader:
                 try:
                     self.scene.accept(f"values.{name}", _number(self._given.pop(key)))
                 except ValueError as reason:
-                    instead = f"Used instead: {_decimal(self.scene.values[name])}."
-                    self._complain(f"{short_name(parameter)} in the link: {reason}", instead)
+                    instead = f"Used instead: {shortest(self.scene.values[name])}."
+                    self._complain(f"“{short_name(parameter)}” in the link: {reason}", instead)
 
     def _take_starts(self) -> None:
         """Apply the starts; each that is refused is replaced by the default start of the system."""
@@ -292,7 +295,7 @@ class _Reader:
         try:
             _take(self.scene, "starts", part)
         except ValueError as reason:
-            instead = f"Used instead: {', '.join(map(_decimal, usual))}."
+            instead = f"Used instead: {', '.join(map(shortest, usual))}."
             self._complain(f"Start {number} in the link: {on_page(str(reason)).rstrip('.')}.", instead)
             return usual
         return self.scene.x0

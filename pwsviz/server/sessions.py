@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from contextvars import Context
 from functools import cache
 from typing import Any
@@ -13,6 +14,7 @@ from bokeh.application.handlers.handler import Handler
 from bokeh.document import Document
 from bokeh.server.views.ws import WSHandler
 from panel.io import document as messages
+from tornado.websocket import WebSocketClosedError
 
 __all__ = ["send_every_message", "send_messages_at_once", "send_pages_at_once"]
 
@@ -51,7 +53,8 @@ def send_every_message() -> None:
     async def dispatch_what_waits(document: Document) -> None:
         if document in messages._WRITE_MSGS:
             messages._WRITE_BLOCK[document] = True
-        await dispatch(document)
+        with suppress(WebSocketClosedError):  # the visitor has left
+            await dispatch(document)
 
     messages._dispatch_msgs = dispatch_what_waits
 

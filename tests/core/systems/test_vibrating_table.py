@@ -67,3 +67,12 @@ def test_regular_and_chaotic_orbits_lie_side_by_side():
     assert np.abs(speed[member == 0] - math.pi).max() < 0.2
     assert np.ptp(speed[member == 1]) > 2.0
     assert found.ensemble.outcomes == {Status.CROSSING_LIMIT: 2}
+
+
+@pytest.mark.parametrize("method", ["taylor", "rk4", "dmm2"])
+@pytest.mark.parametrize("restitution", [0.3, 0.5, 0.7])
+def test_a_ball_that_comes_to_rest_on_the_table_bounced_and_never_touched_it(restitution, method):
+    """Where the last flights are lost in rounding a jump and a touch look alike."""
+    run = core.integrate(TABLE.with_parameters(restitution=restitution), (0.0, 60.0), method=method)
+    assert run.status is Status.ZENO
+    assert set(run.crossings.kind) == {"jump"}

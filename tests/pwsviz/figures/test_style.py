@@ -71,7 +71,7 @@ def test_a_curve_that_stands_alone_is_solid_and_so_is_its_key(name):
 def test_of_curves_that_coincide_those_below_are_seen_beside_those_above(names):
     for widths in (
         [line.width for line in together(map(line_of, names))],
-        widths_in_time(together(map(line_of, names))),
+        widths_in_time(names),
     ):
         assert (np.diff(widths) < 0).all()
         assert 2 <= widths[0] / widths[-1] <= 3

@@ -116,16 +116,35 @@ def test_a_result_that_comes_after_a_change_of_system_and_before_its_computation
     explorer.scene.accept("view", "section")
     assert explorer.settle(60)
     view, later = explorer.view, []
-    former, inputs = view.outcome, view.shown
+    former, system, inputs = view.outcome, explorer.scene.declaration, view.shown
     with monkeypatch.context() as patch:
         patch.setattr(explorer.scheduler, "call_soon", later.append)
         explorer.scene.accept("system", "henon_heiles")
-        explorer._show(view, inputs, former)
-        explorer._advance(view, inputs, 1, 2, former)
+        explorer._show(view, system, inputs, former)
+        explorer._advance(view, system, inputs, 1, 2, former)
     for callback in later:
         callback()
     assert explorer.settle(60)
     assert view.shown == view.inputs() != inputs
+
+
+@pytest.mark.parametrize("view", ["order", "time", "cost", "section", "stability", "sweep", "conserved"])
+def test_a_result_that_comes_when_others_are_under_way_is_drawn_only_of_what_the_scene_still_has(explorer, view):
+    """As one whose computation had just ended when another system, or another integrator, was chosen."""
+    explorer.scene.param.update(t_end=2.0, peers=[], view=view)
+    assert explorer.settle(60)
+    tab = explorer.view
+    former, system, inputs = tab.outcome, explorer.scene.declaration, tab.shown
+    for setting, value in (("methods", ["rk4"]), ("system", "henon_heiles")):
+        explorer.scene.accept(setting, value)
+        assert explorer.settle(60)
+        shown, wanted = tab.shown, tab.inputs()
+        explorer._show(tab, system, inputs, former)
+        explorer._advance(tab, system, inputs, 1, 2, former)
+        if setting == "system" or view != "conserved":  # its pictures follow a slider, each a little late
+            assert tab.shown == shown
+        assert explorer.settle(60)
+        assert tab.inputs() == wanted
 
 
 def test_hidden_views_compute_nothing(explorer):
