@@ -11,7 +11,7 @@ export const INK = "#000000", PAPER = "#ffffff"
 
 const RULE = "#e2e2e2"
 export const SMALL = TEXT - 1  // of labels and captions
-const ON_PAGE = 12  // pixels of names within a frame on the page; smaller ones are parts of marks
+const ON_PAGE = 12  // pixels of names within a frame on the page; smaller ones are parts of marks, and have as many in print
 const PASSES = 3  // layouts, each of which knows the one before: titles in lines, then the room beside them, then all
 const RIM = 3  // pixels inside of a frame that are free of names
 const SPARE = 8  // pixels beside a text, where another may begin
@@ -103,7 +103,8 @@ export const thinned = ({ model }) => model.below.filter(one => kind_of(one) == 
 // Names of levels beside a plot: in lines, and apart from one another.
 const named_levels = (axis, { scale }, width) => {
   const { start, end } = scale.source_range, { levels, labels, fit } = levels_of(axis, scale.source_range, width)
-  const high = labels.map(lines => lines.length * LINE * SMALL), apart = high.slice(1).map((one, k) => (one + high[k]) / 2)
+  const line = fit ? LINE : 1  // letters may stand closer
+  const high = labels.map(lines => lines.length * line * SMALL), apart = high.slice(1).map((one, k) => (one + high[k]) / 2)
   const places = spread(levels.map(tick => scale.compute(tick)), apart, [end, start].map(one => scale.compute(one)))
   const moved = places.map(place => scale.invert(place))
   const { FixedTicker } = Bokeh.loader["models/tickers/fixed_ticker"]
@@ -161,13 +162,13 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
   const letters = { text_font: { value: FONT }, text_font_size: { value: `${SMALL}px` } }
   const named = await with_names_placed(model.renderers, ranges, frame, letters)
   const logarithmic = [model.x_scale, model.y_scale].map(({ type }) => type == "LogScale")
-  const { renderers, markers } = printed ? with_markers(named, ranges, logarithmic, frame) : { renderers: named }
+  const { renderers, keys } = printed ? with_markers(named, ranges, logarithmic, frame) : { renderers: named, keys: new Map() }
   const part = (one, side) => {
     const kind = kind_of(one)
     if (kind == null) return one
     const changes = { ...SIZES[kind], ...looks[kind] }
     if (kind == "axis") return copied(one, { ...changes, ...fitted_axis(one, side, seen, width) })
-    if (kind == "legend") return copied(one, { ...changes, ...fitted_legend(one, seen, width), items: with_keys(one.items, markers) })
+    if (kind == "legend") return copied(one, { ...changes, ...fitted_legend(one, seen, width), items: with_keys(one.items, keys) })
     if (kind == "bar") return copied(one, changes)
     return copied(one, { ...changes, axis: null, ticker: one.ticker ?? one.axis?.ticker })
   }
@@ -233,7 +234,8 @@ const keep_inside = (svg, frame) => {
   for (const words of svg.querySelectorAll("text")) {
     words.setAttribute("font-family", FONT)
     if (words.closest("[clip-path]") == null) continue
-    if (parseFloat(words.getAttribute("font-size")) >= ON_PAGE) words.setAttribute("font-size", `${SMALL}px`)
+    const large = parseFloat(words.getAttribute("font-size")) >= ON_PAGE
+    words.setAttribute("font-size", `${large ? SMALL : ON_PAGE}px`)
     const box = words.getBoundingClientRect()
     const across = moved(box.left, box.right, left, left + frame.width - 2 * RIM)
     const down = moved(box.top, box.bottom, top, top + frame.height - 2 * RIM)

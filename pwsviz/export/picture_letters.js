@@ -3,7 +3,7 @@
 const LETTER = "A-Za-zΑ-Ωα-ωϑϕ", UPRIGHT = "ΔΣΠ", ACCENT = "\u0302\u0304\u0307"
 const OF_WORD = LETTER + "À-ÖØ-öø-ɏ"  // beside one of these a letter is part of a word: “Hénon”
 const INDEX = "₀-₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ⁰¹²³⁴-⁹⁺⁻′*,"  // beside a name
-const SMALLER = 0.7, RAISED = 0.38  // an exponent: its size, and how far it is raised, in heights of the text
+const SMALLER = 0.72, RAISED = 0.38  // an exponent: its size, and how far it is raised, in heights of the text
 
 // A name is one letter, after Δ or ∂ too, but no part of a word, nor the article “a”, the “s” of “ψ’s” or the unit in “(s)”.
 const NAME = new RegExp(`(?<![${OF_WORD}’'])([${UPRIGHT}]?)((?![AIa] (?!(?:from|to|at|is|and|in|with) )[${LETTER}]{2}|(?<= \\()s\\))[${LETTER}][${ACCENT}]?)(?![${OF_WORD}])`, "g")

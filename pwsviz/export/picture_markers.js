@@ -10,15 +10,18 @@ const TRIES = 200  // places looked at for one, each a third of that distance fu
 const OPEN = ["plus", "y", "asterisk", "x"]  // markers without an area
 const EDGE = "#ffffff"
 
-// The curves of a renderer in pixels, with the columns of each; null unless they are curves of integrators that differ in dash.
-const curves_of = ({ glyph, data_source }, to_screen) => {
-  const { xs, ys, method, dash, marker, colour } = Object.fromEntries(data_source?.data ?? [])
-  if (glyph?.type != "MultiLine" || marker == null || new Set(Array.from(dash, String)).size < 2) return null
-  return Array.from(method, (name, k) => ({
-    name, marker: marker[k], colour: colour[k], dashed: dash[k].length > 0,
-    path: Array.from(xs[k], (x, n) => to_screen(x, ys[k][n])),
-  }))
+// The columns of the curves of integrators that a renderer draws, or names in a legend; null of other renderers (those of
+// studies, which have marks of their own, too), and where all are alike.
+const columns_of = ({ glyph, data_source }) => {
+  const { method, marker, dash, ...others } = data_source?.data ?? {}
+  const named = glyph?.type == "MultiLine" && method != null && marker != null && new Set(Array.from(dash, String)).size > 1
+  return named ? { marker: Array.from(marker), dashed: Array.from(dash, one => one.length > 0), ...others } : null
 }
+
+// The dashed ones, in pixels.
+const curves_of = ({ xs, ys, colour, marker, dashed }, to_screen) => marker.map((shape, k) => ({
+  marker: shape, colour: colour[k], path: Array.from(xs[k], (x, n) => to_screen(x, ys[k][n])),
+})).filter((_, k) => dashed[k])
 
 // A function: part of the length of a curve, in pixels -> the place there.
 const along = path => {
@@ -62,25 +65,30 @@ const spread_over = (curves, frame) => {
   return found
 }
 
-const marks_on = (curves, frame, [across, up]) => {
-  const named = [...new Map(curves.map(curve => [curve.name, curve])).values()]
-  const rows = [...named.map(curve => [curve, [NaN, NaN]]), ...spread_over(curves, frame)]  // the first stand for the legend
-  const data = {
-    x: rows.map(([_, [x]]) => across.invert(x)), y: rows.map(([_, [__, y]]) => up.invert(y)),
-    method: rows.map(([{ name }]) => name), marker: rows.map(([{ marker }]) => marker),
-    colour: rows.map(([{ colour }]) => colour),
-    edge: rows.map(([{ marker, colour }]) => OPEN.includes(marker) ? colour : EDGE),
-    width: rows.map(([{ marker }]) => OPEN.includes(marker) ? 2 : 1),
-  }
+// Scatter with the columns x, y, marker, colour and seen, which is 0 of marks that are not.
+const scatter = data => {
   const { ColumnDataSource } = Bokeh.loader["models/sources/column_data_source"]
   const { Scatter } = Bokeh.loader["models/glyphs/scatter"]
   const { GlyphRenderer } = Bokeh.loader["models/renderers/glyph_renderer"]
-  const fields = { marker: "marker", fill_color: "colour", line_color: "edge", line_width: "width" }
+  const open = data.marker.map(shape => OPEN.includes(shape))
+  const looks = { edge: open.map((one, k) => one ? data.colour[k] : EDGE), thickness: open.map(one => one ? 2 : 1) }
+  const fields = {
+    x: "x", y: "y", marker: "marker", fill_color: "colour", line_color: "edge", line_width: "thickness", fill_alpha: "seen",
+    line_alpha: "seen",
+  }
   const glyph = new Scatter({
-    x: { field: "x" }, y: { field: "y" }, size: { value: SIZE },
-    ...Object.fromEntries(Object.entries(fields).map(([name, field]) => [name, { field }])),
+    size: { value: SIZE }, ...Object.fromEntries(Object.entries(fields).map(([name, field]) => [name, { field }])),
   })
-  return new GlyphRenderer({ data_source: new ColumnDataSource({ data }), glyph })
+  return new GlyphRenderer({ data_source: new ColumnDataSource({ data: { ...data, ...looks } }), glyph })
+}
+
+// What stands in a legend for the curves of a renderer: their lines, and over them their markers. Bokeh asks that both have
+// one source.
+const keys_of = (renderer, { marker, dashed, colour }) => {
+  const nowhere = marker.map(() => NaN)
+  const seen = dashed.map(Number)
+  const marks = scatter({ ...renderer.data_source.data, x: nowhere, y: nowhere, marker, seen, colour: Array.from(colour) })
+  return [copied(renderer, { data_source: marks.data_source }), marks]
 }
 
 // Of a logarithmic or linear range, a number of pixels from its start to its end: place -> pixels, and back.
@@ -92,17 +100,23 @@ const scale_of = ({ start, end }, pixels, logarithmic) => {
   }
 }
 
-// The renderers of a plot with markers above the curves, and those markers; `frame` in pixels.
+// The renderers of a plot with markers above the curves, and what stands for some of them in a legend: renderer -> renderers;
+// `frame` in pixels.
 export const with_markers = (renderers, ranges, logarithmic, frame) => {
   const [across, up] = ranges.map((one, k) => scale_of(one, [frame.width, frame.height][k], logarithmic[k]))
-  const found = renderers.map(one => curves_of(one, (x, y) => [across.compute(x), up.compute(y)]))
-  const last = found.findLastIndex(curves => curves?.some(({ path }) => path.length > 1))
-  if (last < 0) return { renderers, markers: null }
-  const dashed = found.flatMap(curves => curves ?? []).filter(curve => curve.dashed)
-  const markers = marks_on(dashed, frame, [across, up])
-  return { renderers: renderers.toSpliced(last + 1, 0, markers), markers }
+  const named = new Map(renderers.map(one => [one, columns_of(one)]).filter(([_, columns]) => columns != null))
+  const keys = new Map([...named].map(([one, columns]) => [one, keys_of(one, columns)]))
+  const curves = [...named.values()].flatMap(one => curves_of(one, (x, y) => [across.compute(x), up.compute(y)]))
+  const marks = spread_over(curves, frame)
+  const markers = scatter({
+    x: marks.map(([_, [x]]) => across.invert(x)), y: marks.map(([_, [__, y]]) => up.invert(y)),
+    marker: marks.map(([{ marker }]) => marker), colour: marks.map(([{ colour }]) => colour), seen: marks.map(() => 1),
+  })
+  const last = renderers.findLastIndex(one => named.has(one))
+  return { keys, renderers: renderers.flatMap((one, k) => [...keys.get(one) ?? [one], ...k == last ? [markers] : []]) }
 }
 
 // The entries of a legend, those of integrators with their markers.
-export const with_keys = (items, markers) => markers == null ? items : items.map(
-  item => item.label?.field == "method" ? copied(item, { renderers: [...item.renderers, markers] }) : item)
+export const with_keys = (items, keys) => items.map(
+  item => item.renderers.some(one => keys.has(one))
+    ? copied(item, { renderers: item.renderers.flatMap(one => keys.get(one) ?? [one]) }) : item)

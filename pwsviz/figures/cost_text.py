@@ -71,6 +71,16 @@ def setting_text(curve: CostCurve, k: int) -> str:
     return f"{name} = {curve.setting[k]:.3g}"
 
 
+def settings_text(study: core.WorkPrecision) -> str:
+    """Return between which step sizes and tolerances the points lie: “τ from 0.001 to 0.2”."""
+    ranges = []
+    for name, said in (("tau", "τ"), ("tolerance", "tolerance")):
+        found = [curve.setting for curve in study.curves if curve.setting_name == name]
+        if found:
+            ranges.append(f"{said} from {np.min(np.concatenate(found)):.3g} to {np.max(np.concatenate(found)):.3g}")
+    return ", ".join(ranges)
+
+
 def cost_words(cost: float, across: Across) -> str:
     """Return a cost with its unit."""
     return duration(cost) if across == "seconds" else plural(round(cost), "evaluation")

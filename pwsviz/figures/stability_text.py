@@ -15,9 +15,9 @@ from pwsviz.text.advice import on_page
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import plural, rounded_up
+from pwsviz.text.words import listed, plural, rounded_up
 
-__all__ = ["side_words", "stability_numbers", "stability_text", "wrong_number"]
+__all__ = ["runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
 
 UNKNOWN = "–"
 """In place of a number that is not known, or that there is not."""
@@ -53,6 +53,18 @@ def stability_text(study: core.StabilityStudy, part: str) -> str:
     if part == "grazing" and study.grazing is not None:
         return _grazing_words(study, study.grazing)
     return "Nothing is computed yet."
+
+
+def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
+    """Return the integrators and the time of the runs in one part of a study; `method` is that of the map."""
+    methods = listed(study.methods)
+    if part == "map":
+        lines = f"; the lines are those of {methods}" if study.largest_tau is not None else ""
+        return f"each point is a run of {method} to t = {study.t_span[1]:.6g}{lines}"
+    if part == "drift" and study.drift is not None:
+        tau, steps = study.drift.tau, study.drift.steps
+        return f"integrated by {methods} with step size τ = {tau:.6g} to t = {steps * tau:,.6g}"
+    return f"integrated by {methods}"
 
 
 def _grid(study: core.StabilityStudy) -> str:

@@ -13,6 +13,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import Shown
+from pwsviz.figures.stability_text import runs_drawn
 from pwsviz.geometry.section_crossings import may_slide
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN, met_at_surfaces
@@ -20,7 +21,7 @@ from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import at_surface, complaint, listed
+from pwsviz.text.words import at_surface, complaint
 from pwsviz.widgets.setting_buttons import choice
 
 HEADINGS = {"map": "Outcomes of runs", "drift": "Error of ψ in long runs", "grazing": "Crossings near grazing"}
@@ -129,13 +130,11 @@ class StabilityTab(LongTab):
         return SUCCESSFUL if self.scene.stability_part == "map" else ""
 
     def how(self, outcome: core.StabilityStudy) -> str:
-        """Return what is drawn of the part shown, and how it was integrated."""
-        scene, part = self.scene, self.scene.stability_part
-        lined = f"map of {scene.selected_method}, lines of {listed(outcome.methods)}"
-        which = lined if part == "map" else f"{listed(scene.used)}, τ = {scene.tau:.15g}"
-        system = scene.declaration
-        crossings = at_surface(met_at_surfaces(system), scene.locate, scene.slides and may_slide(system))
-        return f"{which}, to t = {outcome.t_span[1]:.6g}; {crossings}. {stability_text(outcome, part)}".rstrip(".")
+        """Return which runs are drawn of the part shown, and how they were integrated."""
+        system, part = self.scene.declaration, self.scene.stability_part
+        crossings = at_surface(met_at_surfaces(system), self.scene.locate, self.scene.slides and may_slide(system))
+        which = runs_drawn(outcome, part, self.scene.selected_method)
+        return f"{which}; {crossings}. {stability_text(outcome, part)}".rstrip(".")
 
     def pictures(self) -> list[figure]:
         """Return the figure of the part shown, if it shows anything."""

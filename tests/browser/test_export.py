@@ -409,3 +409,47 @@ def shapes_of(svg):
         left, top, right, bottom = map(float, ends)
         if left > 0:
             yield (right - left) / (bottom - top)
+
+
+MARKERS = """markup => {
+    const svg = new DOMParser().parseFromString(markup, "image/svg+xml").documentElement
+    const host = document.createElement("div")
+    host.append(svg)
+    document.body.append(host)
+    const found = [...svg.querySelectorAll("path[fill^=rgb][stroke='rgb(255,255,255)']")].map(mark => {
+        const box = mark.getBoundingClientRect(), key = mark.closest("[clip-path]") == null
+        return {colour: mark.getAttribute("fill"), corners: mark.getAttribute("d").match(/[ML]/g).length, key,
+                x: box.x + box.width / 2, y: box.y + box.height / 2, scale: svg.viewBox.baseVal.width / svg.clientWidth}
+    })
+    host.remove()
+    return found
+}"""
+"""The filled marks with a white edge in a picture, and those of its legend."""
+
+
+@pytest.mark.parametrize("query", ["view=conserved", "view=state", "view=stability&stability_part=drift"])
+def test_in_print_each_dashed_curve_has_markers_of_its_own_in_the_picture_and_in_the_legend(visit, query):
+    """So that curves can be named without colours, and where one lies on another: squares, triangles and hexagons."""
+    page = visit(query=f"v=2&methods=dmm2,rk2,rk4,dmm4&{query}")
+    await_that(page, PORTRAIT)
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    files = page.get_by_role("button", name="SVG")
+    files.nth(1).wait_for()
+    for k in range(2):
+        found = page.evaluate(MARKERS, downloaded(page, files.nth(k)).decode())
+        keys, marks = ([one for one in found if one["key"] is wanted] for wanted in (True, False))
+        shapes = {one["corners"] for one in keys}
+        assert shapes == {3, 5, 6}, "a square ends at the corner where it began"
+        assert len({one["colour"] for one in keys}) == len(keys) == 3, "dmm2, which is solid, has none"
+        for key in keys:
+            of_curve = [one for one in marks if one["colour"] == key["colour"]]
+            assert {one["corners"] for one in of_curve} == {key["corners"]}
+            assert len(of_curve) >= 2
+        panels = 1 if "state" not in query or k == 0 else 2
+        apart = [
+            np.hypot(one["x"] - other["x"], one["y"] - other["y"]) * one["scale"]
+            for one, other in combinations(marks, 2)
+        ]
+        assert panels > 1 or min(apart) > 20, "no marker covers another"

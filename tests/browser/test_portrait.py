@@ -31,7 +31,7 @@ PORTRAIT = f"""() => {{
     }}
     const marks = figure.rows.find(row => "number" in row && "time" in row)
     const rings = figure.rows.filter(row => Object.keys(row).join() == "x,y").map(row => Array.from(row.x))
-    const moving = figure.rows.find(row => "marker" in row && !("kind" in row))
+    const moving = figure.rows.find(row => "marker" in row && "x" in row && !("kind" in row))
     return {{stars: figure.on_screen(stars.x, stars.y), at: Array.from(stars.x, (x, k) => [x, stars.y[k]]),
              chosen: Array.from(stars.chosen).indexOf(true), marks: figure.on_screen(marks.x, marks.y),
              times: Array.from(marks.time), ringed: rings.filter(row => row.length == 1 && !isNaN(row[0])).length,

@@ -9,6 +9,7 @@ import core
 from core.interface import processor
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
 from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_numbers, cost_rows, cost_text
+from pwsviz.figures.cost_text import settings_text
 from pwsviz.figures.style import BELOW_RANGE, line_of
 
 FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
@@ -141,6 +142,11 @@ def test_the_setting_is_told_on_a_point():
     assert view.points.data["cost"][0] == "0.1 ms"
     view.show(BOTH, "evaluations", "state")
     assert view.points.data["cost"][0] == "100 evaluations"
+
+
+def test_a_caption_tells_between_which_settings_the_points_lie():
+    assert settings_text(BOTH) == "τ from 0.01 to 0.1, tolerance from 0.01 to 0.1"
+    assert settings_text(study(DMM2)) == "τ from 0.01 to 0.1"
 
 
 def test_a_study_with_nothing_in_it_yet_can_be_drawn():

@@ -13,6 +13,7 @@ from pwsviz.figures.conserved import FLOOR
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import NO_VALUE
 from pwsviz.figures.stability_outcomes import OUTCOMES, UNJUDGED
+from pwsviz.figures.stability_text import runs_drawn
 from pwsviz.figures.style import line_of
 from pwsviz.scene.validation import value_of
 from pwsviz.text.numbers import printed
@@ -397,3 +398,13 @@ def test_rows_of_the_map_are_its_cells(study):
         )
         assert table["crossings"][n] == study.map.crossings[k, i, j]
         assert table["as_the_solution"][n] == study.map.works[k, i, j]
+
+
+def test_captions_name_the_runs_of_a_part_and_when_these_end(study):
+    """The long run has a time of its own, the map one integrator."""
+    assert runs_drawn(study, "drift", "rk2") == (
+        f"integrated by dmm2 and rk2 with step size τ = {study.drift.tau:.6g} to t = {20_000 * study.drift.tau:,.6g}"
+    )
+    assert runs_drawn(study, "map", "rk2").startswith("each point is a run of rk2 to t = ")
+    assert runs_drawn(study, "map", "rk2").endswith("; the lines are those of dmm2 and rk2")
+    assert runs_drawn(study, "grazing", "rk2") == "integrated by dmm2 and rk2"
