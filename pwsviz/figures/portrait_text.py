@@ -23,9 +23,9 @@ from pwsviz.results.results import Pictures
 from pwsviz.scene.equations import equations, indexed
 from pwsviz.scene.names import met_at_surfaces, readable
 from pwsviz.text.math_names import variable_name
-from pwsviz.text.words import listed
+from pwsviz.text.words import as_text, listed
 
-__all__ = ["SUMMARY", "figures_of", "law_note", "parted_words", "portrait_note", "portrait_text"]
+__all__ = ["SUMMARY", "figures_of", "law_markup", "parted_words", "portrait_note", "portrait_text"]
 
 SUMMARY = "Phase portrait"
 
@@ -123,13 +123,32 @@ def _which_start(pictures: Pictures) -> str:
     return f"Start {index + 1} of {count}." + (f" {these} {told} {stop} early." if told else "")
 
 
-def law_note(system: core.PiecewiseSystem) -> str:
-    """Return the equations of a system, none of which breaks across lines, or where they are if they are long."""
+_LETTER = "[A-Za-zΑ-Ωα-ω]"
+_NAME = f"(?<!{_LETTER})({_LETTER}[₀-₉₊₋ₐ-ₜ⁰¹²³⁴-⁹]*)"
+
+BY_FUNCTION, BY_NAME = re.compile(f"{_NAME}·(?={_LETTER}{_LETTER})"), re.compile(rf"{_NAME}·(?={_LETTER}|\()")
+"""Products of a single letter, with its indices, that need no dot: with a function; with another one or a bracket."""
+
+POWER = re.compile(r"\^\(?([^\s()^]+)\)?")
+"""An exponent that no raised character stands for, with its brackets."""
+
+
+def law_markup(system: core.PiecewiseSystem) -> str:
+    """Return the equations of a system as HTML, a line for each law, or where they are if they are long.
+
+    No equation breaks across lines unless it would be too wide for a phone.
+    """
     laws = indexed(equations(system))
     if len(laws) > LONGEST:
-        return "The equations are in the tab Scheme."
-    each = re.split(r"(?<=[,;:]) ", laws)
-    return " ".join(one.replace(" ", "\N{NO-BREAK SPACE}") if len(one) <= UNBROKEN else one for one in each) + "."
+        return as_text("The equations are in the tab Scheme.", "about")
+    return "".join(POWER.sub(r"<sup>\1</sup>", as_text(_kept_together(law), "law")) for law in laws.split("; "))
+
+
+def _kept_together(law: str) -> str:
+    """Return the equations of a law with spaces that do not break within them, and without dots that tell nothing."""
+    law = BY_NAME.sub(r"\1", BY_FUNCTION.sub("\\1\N{NARROW NO-BREAK SPACE}", law))
+    each = re.split(r"(?<=[,:]) ", law)
+    return " ".join(one.replace(" ", "\N{NO-BREAK SPACE}") if len(one) <= UNBROKEN else one for one in each)
 
 
 def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.portrait_text import figures_of, law_note, parted_words, portrait_note
+from pwsviz.figures.portrait_text import figures_of, law_markup, parted_words, portrait_note
 from pwsviz.figures.summaries import run_lines, run_words
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.projection import PLANE, Axes
@@ -181,7 +181,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.shown = outcome
         self._mark_starts()
         self._aim_first(outcome)
-        self.note.object = as_text(f"{law_note(system)} {portrait_note(system, axes)}", "about")
+        self.note.object = law_markup(system) + as_text(portrait_note(system, axes), "about")
         self._tell(outcome)
         self._cover()
         self._submit_frames()

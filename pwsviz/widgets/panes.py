@@ -30,6 +30,8 @@ p { margin: 0 0 2px 0; }
 .heading { font-size: 0.75rem; font-weight: 600; letter-spacing: 0.08em; text-transform: uppercase;
            color: var(--mui-palette-text-secondary); margin: 14px 0 2px 0; }
 .about { color: var(--mui-palette-text-secondary); margin: 2px 0 6px 0; }
+.law { margin: 0 0 0 1.5em; text-indent: -1.5em; }
+.law sup { line-height: 0; }
 .error { color: var(--mui-palette-error-main); }
 .stopped { border-left: 3px solid var(--mui-palette-warning-main); padding-left: 8px; margin: 4px 0; }
 .numbers { overflow-x: auto; margin: 2px 0 8px 0; }

@@ -7,7 +7,7 @@ import pytest
 
 import core
 from core.diagnostics import inhabited
-from pwsviz.figures.portrait_text import law_note, portrait_note
+from pwsviz.figures.portrait_text import law_markup, portrait_note
 from pwsviz.geometry.phase_plane import backdrop, closed_surface
 from pwsviz.geometry.projection import (
     axis_labels,
@@ -196,7 +196,13 @@ def test_the_conserved_view_names_the_regions_of_which_nothing_is_known():
 
 
 def test_the_equations_stand_below_the_portrait_unless_they_are_long():
-    told = law_note(core.CATALOGUE["elliptic_curve"])
-    assert told.endswith(" g\xa0=\xa0x²\xa0+\xa0y²\xa0−\xa0r²."), "no equation breaks across lines"
-    assert "reset map at g = 0" in law_note(core.CATALOGUE["bouncing_ball"]).replace("\xa0", " ")
-    assert law_note(core.CATALOGUE["three_bodies"]).startswith("The equations are in the tab Scheme.")
+    told = law_markup(core.CATALOGUE["elliptic_curve"])
+    assert told.count('<p class="law">') == 3, "a line for each law"
+    assert "ψ₋\xa0=\xa0y²\xa0−\xa0x³\xa0−\xa0a₋x</p>" in told, "as a product is written"
+    assert told.endswith(">g\xa0=\xa0x²\xa0+\xa0y²\xa0−\xa0r²</p>"), "no equation breaks across lines"
+    assert "−k₋\u202fsin(q)" in law_markup(core.CATALOGUE["pendulum"])
+    assert "−m₋y₁y₂" in law_markup(core.CATALOGUE["rigid_body"])
+    rooted = core.PiecewiseSystem("root", ("x",), f_minus=("x**(3/2)",), f_plus=("1",), g="x - 2")
+    assert "x<sup>3/2</sup>" in law_markup(rooted)
+    assert "reset\xa0map\xa0at\xa0g\xa0=\xa00" in law_markup(core.CATALOGUE["bouncing_ball"])
+    assert "The equations are in the tab Scheme." in law_markup(core.CATALOGUE["three_bodies"])
