@@ -30,11 +30,12 @@ TABS_SX = {
         "fontSize": "min(0.775rem, max(12.4px, 1.25cqi))",  # what is larger in lecture mode keeps to one row, too
     },
     ".MuiTabs-list": {"flexWrap": "wrap"},
+    "@container (880px <= width < 1060px)": {".MuiTabs-list": {"maxWidth": "330px"}},  # too narrow for one row
     ".MuiTabs-indicator": {"display": "none"},  # knows of one row only
     ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
     "@media (forced-colors: active)": {".MuiTab-root.Mui-selected": {"borderBottom": "3px solid Highlight"}},
 }  # fmt: skip
-"""Titles as narrow as possible: in one row from 1400 pixels of screen on, in two on a narrow one."""
+"""Titles as narrow as possible: in one row from 1400 pixels of screen on, in two of much the same length before."""
 
 ABOUT_CSS = """
 footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;

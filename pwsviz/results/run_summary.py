@@ -50,14 +50,14 @@ def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summar
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(sizes, initial=np.nan)),
         status=run.status,
-        message=on_page(run.outcome) if run.status is not core.Status.COMPLETED else "",
+        message=on_page(run.outcome, run.system.variables) if run.status is not core.Status.COMPLETED else "",
         begins=_beginning(run),
     )
 
 
 def warning_of(run: core.Trajectory) -> str:
     """Return what is said against the step size of a run; empty if that is nothing. It takes longer than many a run."""
-    return on_page(step_warning(run))
+    return on_page(step_warning(run), run.system.variables)
 
 
 def _beginning(run: core.Trajectory) -> str:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+
+from pwsviz.text.math_names import variable_name
 
 __all__ = ["on_page"]
 
@@ -34,8 +36,18 @@ _SAID: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
 )
 
 
-def on_page(message: str) -> str:
-    """Return a message of `core` as the page says it: controls for arguments of Python, and mathematical symbols."""
+def on_page(message: str, variables: Iterable[str] = ()) -> str:
+    """Return a message of `core` as the page says it: controls for arguments of Python, and mathematical symbols.
+
+    Parameters
+    ----------
+    message : str
+        What `core` says.
+    variables : iterable of str
+        Names of variables whose values it may tell.
+    """
     for pattern, words in _SAID:
         message = re.sub(pattern, words, message)
+    for name in variables:
+        message = re.sub(rf"\b{re.escape(name)}(?= = )", variable_name(name), message)
     return message

@@ -55,3 +55,9 @@ def test_bounds_and_fields_are_named_by_their_symbols():
         "τ = 0.1 exceeds the bound τ₋* = 0.02; take τ below 0.02"
     )
     assert on_page("f_minus is not defined: (u**2)**0.75 for u**1.5.") == "f₋ is not defined: (u^2)^0.75 for u^1.5."
+
+
+def test_a_message_about_a_state_names_the_variables_by_their_symbols():
+    assert (
+        on_page("t = 6, phi = 1, y1 = 2, v = 3: the end", ("phi", "y1", "v")) == "t = 6, φ = 1, y₁ = 2, v = 3: the end"
+    )
