@@ -14,7 +14,7 @@ SYSTEM = PiecewiseSystem(
     psi_plus=("c_plus*x - d*log(x) + b*y - a*log(y)",),
     parameters=(
         Parameter("a", 2.0, (0.2, 5.0), "growth rate of the prey"),
-        Parameter("b", 2.0, (0.2, 5.0), "prey eaten by a predator"),
+        Parameter("b", 2.0, (0.2, 5.0), "predation rate"),
         Parameter("c_minus", 1.0, (0.2, 5.0), "growth of the predators by prey where it is scarce"),
         Parameter("c_plus", 0.6, (0.2, 5.0), "growth of the predators by prey where it is plentiful"),
         Parameter("d", 1.0, (0.2, 5.0), "death rate of the predators"),
