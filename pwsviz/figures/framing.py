@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from pwsviz.geometry.phase_plane import closed_surface
+from pwsviz.geometry.projection import PLANE
 from pwsviz.geometry.window import Window
 from pwsviz.results.results import Pictures
 
@@ -20,6 +21,9 @@ OTHERS = 3.0
 
 COMPARABLE = 2.0
 """A closed surface within a window this many times as large as that of an orbit is shown whole beside it."""
+
+BARE = 0.06
+"""Margin around the trajectories of a projection, in which there is no field to be seen beside them."""
 
 
 def extent(pictures: Pictures) -> Window:
@@ -42,7 +46,8 @@ def extent(pictures: Pictures) -> Window:
     there = np.concatenate([np.empty((0, 2)), *others])
     starts = np.array([orbit.start for orbit in (*pictures.orbits, *pictures.thin)])
     near, far = first.scaled(NEAR).holds(points), first.scaled(OTHERS).holds(there)
-    return Window.around(np.concatenate([points[near], there[far], starts]))
+    shown = np.concatenate([points[near], there[far], starts])
+    return Window.around(shown) if system.dimension == PLANE else Window.around(shown, BARE)
 
 
 def power_of_ten(size: float) -> float:

@@ -38,14 +38,14 @@ class Window(NamedTuple):
         return self.y_high - self.y_low
 
     @classmethod
-    def around(cls, points: Floats) -> Window:
-        """Return the bounding box of points (n, 2) with a margin, ignoring NaN."""
+    def around(cls, points: Floats, margin: float = 0.2) -> Window:
+        """Return the bounding box of points (n, 2) with a margin, relative to its longer side, ignoring NaN."""
         low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
         size, away = float((high - low).max()), float(np.abs(high + low).max()) / 2
         if size <= 1e-6 * max(away, 1e-3):  # one point: its largest |coordinate| becomes the margin, or 1
             size = 5 * max(away, 1.0)
-        margin = 0.2 * size
-        return cls(*(float(end) for end in (low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin)))
+        beside = margin * size
+        return cls(*(float(end) for end in (low[0] - beside, high[0] + beside, low[1] - beside, high[1] + beside)))
 
     def holds(self, points: Floats) -> NDArray[np.bool_]:
         """Return (n,) which of the points (n, 2) lie within."""
