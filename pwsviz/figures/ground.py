@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from bokeh.core.properties import value
 from bokeh.events import MouseLeave, MouseMove, RangesUpdate
 from bokeh.models import ColumnDataSource, CustomJS
 from bokeh.models.annotations import Label, LegendItem
-from bokeh.models.glyphs import Line, MultiPolygons
+from bokeh.models.glyphs import Line, MultiPolygons, Scatter
 from bokeh.models.renderers import GlyphRenderer
 from bokeh.models.widgets import Div
 from bokeh.plotting import figure
@@ -19,7 +20,7 @@ import core
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.moving import AWAIT, REPAINT, TELL_PLACE
-from pwsviz.figures.style import GREEN, GREY, PURPLE, SHADES, SIDES, TINT, assign, ranges, tips
+from pwsviz.figures.style import GREEN, GREY, PURPLE, SHADES, SIDES, TINT, assign, ranges, tips, unseen
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, surface_name
@@ -33,6 +34,9 @@ __all__ = ["Ground"]
 LEVEL_SET: dict[str, Any] = {"line_alpha": 0.85, "line_width": 0.8}
 OWN_LEVEL_SET: dict[str, Any] = {"line_width": 2.0}
 """Looks of the level sets of ψ, and of those on which the run is: the palest that WCAG admits (3:1), on every shade."""
+
+HEAD: dict[str, Any] = {"fill_color": GREY, "line_color": GREY}
+"""Look of the head of an arrow, where the legend names the field."""
 
 READOUT_STYLES: dict[str, str | None] = {
     "font-size": "0.8125rem",
@@ -92,11 +96,13 @@ class Ground:
         self.labels = self._names.data_source
         self._surface_labels: list[str] = []
         self._arrow_lines = field
+        head = plot.add_glyph(unseen(("x", "y")), Scatter(marker="triangle", angle=-math.pi / 2, size=7, **HEAD))
         self._level_keys = {1: _keys(plot, **LEVEL_SET), 2: _keys(plot, **OWN_LEVEL_SET)}
         usual_keys, own_keys = (list(keys.values()) for keys in self._level_keys.values())
         self.legend: list[tuple[str, Any]] = [
-            ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("field f", field), ("ψ = const.", usual_keys),
-            (OWN_LEVEL, own_keys), (ATTRACTS, [attracting, line]), (REPELS, [repelling, line]),
+            ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("field f", [*field, head]),
+            ("ψ = const.", usual_keys), (OWN_LEVEL, own_keys),
+            (ATTRACTS, [attracting, line]), (REPELS, [repelling, line]),
         ]  # fmt: skip
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})

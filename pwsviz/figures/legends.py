@@ -59,12 +59,13 @@ if (prototype.marks_as_drawn == null) {
   prototype.marks_as_drawn = true
   prototype._get_legend_args = function (box, index) {
     const place = small.call(this, box, index), room = Math.abs(box.y1 - box.y0) - 1
-    return { ...place, size: { get: () => Math.min(this.size.get(index), room) || place.size.get(index) } }
+    const size = { get: () => Math.min(this.size.get(index), room) || place.size.get(index) }
+    return { ...place, size, angle: { get: () => this.angle.get(index) } }
   }
 }
 """
-"""JavaScript that gives the marks in all legends the size that they have in the figure, as far as there is room: Bokeh
-makes them alike, and so small that a star looks like a speck."""
+"""JavaScript that gives the marks in all legends the angle that they have in the figure, and the size as far as there
+is room: Bokeh makes them alike, upright, and so small that a star looks like a speck."""
 
 MARK_COLUMNS = ("nowhere", "marker", "seen")
 """Columns that the source of the lines needs for their marks in the legend."""
