@@ -25,12 +25,13 @@ def test_a_large_array_is_sent_by_itself():
 
 def test_lines_and_outlines_of_a_source_are_sent_within_the_message():
     source = ColumnDataSource({"xs": [], "rings": [], "t": []})
-    assign(source, xs=[LINE, LINE[:7]], rings=[[[LINE, LINE[:9]]]], t=LINE)
+    rings, t = [[[LINE, LINE[:9]]], [[LINE]]], LINE[:2]
+    assign(source, xs=[LINE, LINE[:7]], rings=rings, t=t)
     assert not Serializer().serialize(source.data).buffers
     before = source.data
-    assign(source, xs=[LINE.copy(), LINE[:7]], rings=[[[LINE, LINE[:9].copy()]]], t=LINE.copy())
+    assign(source, xs=[LINE.copy(), LINE[:7]], rings=[[[LINE, LINE[:9].copy()]], [[LINE]]], t=t.copy())
     assert source.data is before
-    assign(source, xs=[LINE, LINE[:6]], rings=[[[LINE, LINE[:9]]]], t=LINE)
+    assign(source, xs=[LINE, LINE[:6]], rings=rings, t=t)
     assert source.data is not before
 
 
