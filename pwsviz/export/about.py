@@ -177,7 +177,7 @@ def _integration(scene: Scene, slid: bool, told: Told, early: bool) -> str:
     steps += [f"{f'for {listed(adaptive)} ' * bool(steps)}tolerance {scene.tolerance:.3g}"] if adaptive else []
     met = met_at_surfaces(scene.declaration)
     crossings = at_surface(met, scene.locate, scene.slides and slid, scene.perturbation_order, scene.perturbation_scale)
-    until = f"to t {told(scene.t_end)}{' at the latest' * early}"
+    until = f"to t {told(scene.t_end)}{' or an earlier end' * early}"
     return f"integrated by {listed(used)} with {' and '.join(steps)} {until}; {crossings}"
 
 

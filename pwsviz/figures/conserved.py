@@ -10,7 +10,16 @@ from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.glyphs import Line, Scatter
 
-from pwsviz.figures.conserved_text import CEILING, CHANGE_OF_PSI, MOST_BANDS, axis_name, conserved_text, largest
+from pwsviz.figures.conserved_text import (
+    CEILING,
+    CHANGE_OF_PSI,
+    MOST_BANDS,
+    TELLABLE,
+    axis_name,
+    conserved_text,
+    largest,
+    round_off_grows,
+)
 from pwsviz.figures.crowding import SAME_INSTANT, Marks, attach_shades, shade_keys
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
@@ -48,9 +57,6 @@ FLOOR = MACHINE_EPSILON / 8
 
 TICK = 8
 """Size in pixels of the mark of a crossing."""
-
-TELLABLE = 3.0
-"""Least ratio of two marks on the axis whose labels can be read beside each other."""
 
 NOWHERE = 1e-300
 """Height of a mark that is not to be seen: below the axis."""
@@ -192,7 +198,7 @@ class ConservedView:
     def _show_round_off(self, first: ErrorCurve) -> None:
         """Mark the round-off of ψ at the end, unless it is near another level or below all; draw it where it grows."""
         level = first.round_off
-        last, grows = float(level[-1]), bool(level[-1] > TELLABLE * level[0] > 0.0)
+        last, grows = float(level[-1]), round_off_grows(first)
         told = last > FLOOR and max(last / MACHINE_EPSILON, MACHINE_EPSILON / last) >= TELLABLE
         self.levels.move(MACHINE_EPSILON, FLOOR, last if told else NOWHERE)
         self.levels.spans[-1].visible = not grows

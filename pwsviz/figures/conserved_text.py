@@ -12,13 +12,18 @@ from pwsviz.results.error_curve import ROUND_OFF, ErrorCurve
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import rounded, rounded_up
 
-__all__ = ["CEILING", "MOST_BANDS", "axis_name", "conserved_text", "largest", "meaning"]
+__all__ = [
+    "CEILING", "MOST_BANDS", "TELLABLE", "axis_name", "conserved_text", "largest", "meaning", "round_off_grows",
+]  # fmt: skip
 
 CEILING = 1e9
 """|Δψ| at which a curve leaves the plot: a method that blows up would leave no room for the others."""
 
 MOST_BANDS = 400
 """Most crossings for which segments and ticks are drawn; more of them could not be told apart."""
+
+TELLABLE = 3.0
+"""Least ratio of two levels whose marks on the axis can be told apart."""
 
 SEEN_TO_RISE = 1.1
 """Ratio of |Δψ| in the last third of the time to that in the first one beyond which a curve is seen to rise: by less
@@ -60,13 +65,19 @@ def meaning(curves: Sequence[ErrorCurve]) -> str:
         )
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
+        largest_value = "largest value so far" if round_off_grows(curves[0]) else "largest value in the run"
         words.append(
-            f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the largest value so far of |ψ| + Σ |xₖ ∂ψ/∂xₖ|, the "
+            f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the {largest_value} of |ψ| + Σ |xₖ ∂ψ/∂xₖ|, the "
             "size of ψ’s terms, summed over all variables xₖ; the machine epsilon is 2⁻⁵²"
         )
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
     return f"{'. '.join(words)}.{_about_marks(curves)}"
+
+
+def round_off_grows(curve: ErrorCurve) -> bool:
+    """Whether the level of round-off grows so much along a run that its line is drawn as it grows, not as its end."""
+    return bool(curve.round_off[-1] > TELLABLE * curve.round_off[0] > 0.0)
 
 
 def conserved_text(curves: Sequence[ErrorCurve]) -> str:

@@ -17,17 +17,17 @@ from pwsviz.text.words import at_surface, listed, plural
 
 __all__ = ["section_how", "section_rows", "section_text", "surface_words"]
 
-_WAYS = {0: "crossed either way", 1: "crossed upwards", -1: "crossed downwards"}
+_WAYS = {0: "crossed in both directions", 1: "crossed upwards", -1: "crossed downwards"}
 _NO_ZERO = {0: "change sign", 1: "rise through zero", -1: "fall through zero"}
 
 
 def surface_words(inputs: SectionInputs) -> str:
-    """Return where the points lie, as “S: g = 0, crossed either way”."""
+    """Return where the points lie, as “S: g = 0, crossed in both directions”."""
     system = inputs.problem.declaration
     own = "S: g = 0" if system.two_sided else "all surfaces"
     way = "reached from one side" if is_one_way(system, inputs.of) else _WAYS[inputs.direction]
     if not inputs.of and inputs.scheme.slide and may_slide(system):
-        way += "; where sliding begins counts"
+        way += ", or at which sliding begins"
     return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {way}"
 
 

@@ -148,7 +148,7 @@ class MapFigure:
 
     def _show_limits(self, study: core.StabilityStudy) -> None:
         largest = study.largest_tau
-        there = [] if largest is None else np.flatnonzero(np.isfinite(largest.tau)).tolist()
+        there = [] if largest is None else np.flatnonzero(largest.found).tolist()
         names = [study.methods[k] for k in there]
         self._limit.visible = bool(there)
         self.limits.data = {

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core import Status
 from core.studies import ENDINGS, NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, OutcomeMap
-from pwsviz.figures.style import BLUE, BROWN, CALM, GREEN, GREY, OCHRE, ORANGE, PURPLE, VERMILION, VIOLET
+from pwsviz.figures.style import BLUE, BROWN, CALM, GREEN, GREY, OCHRE, PURPLE, VERMILION, VIOLET
 
 __all__ = ["OUTCOMES", "UNJUDGED", "Outcome", "lasts", "outcomes_shown"]
 
@@ -27,7 +27,7 @@ class Outcome(NamedTuple):
 
 OUTCOMES: Mapping[int, Outcome] = {
     Status.COMPLETED: Outcome("correct sequence of crossings", CALM),  # and an end like that of the solution
-    WRONG_CROSSINGS: Outcome("wrong sequence of crossings", ORANGE),
+    WRONG_CROSSINGS: Outcome("wrong sequence of crossings", "#c47a14"),
     WENT_ON: Outcome("continues where the solution stops", OCHRE),
     Status.ESCAPED: Outcome("the numerical solution blows up", VERMILION),
     Status.UNSTABLE: Outcome("the scheme diverges from the solution", "#7f1d1d"),

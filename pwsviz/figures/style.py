@@ -343,10 +343,14 @@ def side_strips(side: int) -> VStrip:
 
 
 def segments(t: Floats, sides: NDArray[np.int64], side: int) -> dict[str, Floats]:
-    """Return the columns of `side_strips` for one side, from the ends of segments and the sides of the first ones."""
-    count = len(sides)
-    there = np.flatnonzero((sides == side) & (t[1 : 1 + count] > t[:count]))
-    return {"start": t[there], "end": t[there + 1]}
+    """Return the columns of `side_strips` for one side, from the ends of segments and the sides of the first ones.
+
+    Segments that follow one another on the same side, between which the state jumps, are one.
+    """
+    first = np.flatnonzero(np.append(True, sides[1:] != sides[:-1])[: len(sides)])
+    starts, ends = t[first], t[np.append(first[1:], len(sides))[: len(first)]]
+    there = (sides[first] == side) & (ends > starts)
+    return {"start": starts[there], "end": ends[there]}
 
 
 def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:

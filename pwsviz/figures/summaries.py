@@ -11,6 +11,7 @@ from core.studies import FIT_ABOVE, FIT_BELOW
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.order import Row, Studied, limits
 from pwsviz.figures.style import Line, line_of, on_either_ground, together
+from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
@@ -114,7 +115,7 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
             f"Crossings {counted} are compared, up to t = {study.times[-1]:.4g}: t* is the time by the reference, t̂ "
             "that by the run"
         )
-    return words + "; sliding begins and ends with a crossing, and both are counted" * slides + "."
+    return words + "; the beginning and the end of sliding count as crossings" * slides + "."
 
 
 def fit_rule(shown: Sequence[Studied]) -> str:
@@ -128,7 +129,7 @@ def fit_rule(shown: Sequence[Studied]) -> str:
     if [len(drawn)] == [len(names) for names in without.values()]:
         (why,) = without
         return f"No slope is fitted, as {why}" + f" {between}. {limits_are}" * (why == _TOO_FEW)
-    fitted = [f"Slopes are least-squares fits to errors {between}, {_REACH}", limits_are]
+    fitted = [f"Slopes are least-squares fits to errors {between}{_reach(shown)}", limits_are]
     fitted += [_IRREGULAR] * any("±" in row.slope_text for _, row in drawn)
     reasons = [(names, why + " between these limits" * (why == _TOO_FEW)) for why, names in without.items()]
     unfitted = [f"No slope is fitted {listed(names)}, as {why}" for names, why in reasons]
@@ -136,13 +137,24 @@ def fit_rule(shown: Sequence[Studied]) -> str:
     return ". ".join([*fitted, *unfitted, *[_GAPS] * gaps])
 
 
-_REACH = "from the least step size up to the one at which the local slope changes"
-
 _IRREGULAR = "Where the local slope is irregular, all errors between the limits are fitted; ± is the standard error"
 
 _TOO_FEW = "too few errors lie"
 
 _GAPS = "Points are missing where a run does not reach the time, or reaches it in fewer than four steps"
+
+
+def _reach(shown: Sequence[Studied]) -> str:
+    """Say up to which step size errors are fitted, unless all between the limits are."""
+    ends = [(row.window[1], _greatest(one.taus, row)) for one in shown for row in one.rows if math.isfinite(row.slope)]
+    cut = [reached < greatest for reached, greatest in ends]
+    where = "" if all(cut) else ", where it does"
+    return f", from the least step size up to the one at which the local slope changes{where}" * any(cut)
+
+
+def _greatest(taus: Floats, row: Row) -> float:
+    """Return the greatest step size whose error lies between the limits of a fit, but for rounding."""
+    return float(taus[(row.error > row.fit_above) & (row.error < row.fit_below)].max(initial=0.0)) * (1 - 1e-9)
 
 
 def _why_no_slope(row: Row) -> str:
@@ -160,7 +172,7 @@ def _bounds(shown: Sequence[Studied]) -> tuple[str, str]:
         f"The lower limit is {FIT_ABOVE:g} times the larger of accumulated round-off and the error of the reference"
     )
     if not any(map(_of_time, rows)):
-        limits_are += f"; the upper is {FIT_BELOW:g} times the size of the solution"
+        limits_are += f"; the upper is {FIT_BELOW:g} times the largest |xₖ| of the reference at these times"
     if found is None:
         return f"below {below}", limits_are
     if found[0].fit_above == found[1].fit_above:

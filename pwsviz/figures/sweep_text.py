@@ -174,7 +174,9 @@ def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
         Value of the parameter on the page, which the dashed line marks if it lies in the diagram.
     """
     scheme, name, system = inputs.scheme, parameter_name(inputs), inputs.problem.declaration
-    crossings = at_surface(met_at_surfaces(system), scheme.locate, scheme.slide and may_slide(system))
+    slides = scheme.slide and may_slide(system)
+    crossings = at_surface(met_at_surfaces(system), scheme.locate, slides)
+    sliding = ", and where sliding begins on it" if slides and not inputs.of else ""
     begins = {
         "none": "each run begins at the initial state",
         "up": "each run begins where that of the next smaller value ends",
@@ -185,8 +187,8 @@ def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
     line = f"; the dashed line is {name} = {present:.15g}" if inputs.low <= present <= inputs.high else ""
     return printed(
         f"shown is {coordinate_name(inputs)} at crossings of "
-        f"{surface_words(inputs)}{reset_words(inputs.problem.declaration, inputs.of)}, for {inputs.values:,} values of "
-        f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {plural(inputs.points, 'point')} of each{left}, up to "
+        f"{surface_words(inputs)}{reset_words(system, inputs.of)}{sliding}, for {inputs.values:,} values of {name} "
+        f"from {inputs.low:.15g} to {inputs.high:.15g}: at most {plural(inputs.points, 'point')} of each{left}, up to "
         f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}; "
         f"{crossings}{line}"
     )

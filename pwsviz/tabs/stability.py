@@ -28,8 +28,8 @@ HEADINGS = {"map": "Outcomes of runs", "drift": "Error of ψ in long runs", "gra
 """What a caption says of each part, to be followed by “of the system”."""
 
 SUCCESSFUL = (
-    "A step size is successful if the run has the crossings of the reference, ends as it does and, by a conservative "
-    "integrator, changes ψ by at most 10⁻¹⁰ of the size of its terms."
+    "A step size is successful if the run has the crossings of the reference, ends as it does and, for a conservative "
+    "integrator, |Δψ| is at most 10⁻¹⁰ of the size of the terms of ψ."
 )
 """Of the lines in the map."""
 

@@ -54,6 +54,11 @@ class LargestTau(Brief):
     """Time up to which that is counted."""
 
     @property
+    def found(self) -> NDArray[np.bool_]:
+        """(methods,) whether a step size was found up to which all work, and beyond which one fails."""
+        return np.isfinite(self.tau) & np.isfinite(self.beyond)
+
+    @property
     def expected_crossings(self) -> int:
         """Number of its crossings and jumps."""
         return int(crossed(np.array(self.expected_met)))

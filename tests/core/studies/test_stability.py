@@ -51,6 +51,7 @@ def test_the_implicit_midpoint_rule_is_stable_at_any_step_size():
     study = stability_study(FAR, (0, 2000), methods=("dmm2",), taus=(1.0, 10.0, 100.0), parts="largest_tau").largest_tau
     assert study.tau[0] == 100.0
     assert np.isnan(study.beyond[0])
+    assert not study.found[0], "the largest that was tried is no limit"
     assert study.reason == ("",)
 
 

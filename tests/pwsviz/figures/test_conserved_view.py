@@ -69,6 +69,7 @@ def test_sides_are_those_of_the_run_where_it_comes_back_to_the_same():
     view, _, _ = shown(system="bouncing_ball")
     assert len(view.segments[-1].data["start"]) == 0, "the ball is never below the ground"
     assert not view.entries[-1].visible, "nor does the legend name it"
+    assert len(view.segments[1].data["start"]) == 1, "where it bounces it stays on its side"
     assert len(view.instants.data["t"]) > 10
 
 

@@ -159,17 +159,17 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
     later = state_rows(exact)[1]
     meaning = (
         ". The lower limit is 50 times the larger of accumulated round-off and the error of the reference; the upper "
-        "is 0.3 times the size of the solution."
+        "is 0.3 times the largest |xₖ| of the reference at these times."
     )
     for row, words in (
         (
             replace(flat, fit_above=3.5e-11, fit_below=0.7),
             f"errors lie between 3.5×10⁻¹¹ and 0.7{meaning}",
         ),
+        (later, f"fits to errors between {rounded(later.fit_above)} and {rounded(exact.fit_below)}{meaning}"),
         (
-            later,
-            f"fits to errors between {rounded(later.fit_above)} and {rounded(exact.fit_below)}, from the least step "
-            f"size up to the one at which the local slope changes{meaning}",
+            replace(later, window=(later.window[0], float(taus[2]))),
+            f", from the least step size up to the one at which the local slope changes{meaning}",
         ),
     ):
         view, (shown,) = OrderView("error"), studied([exact], lambda _, row=row: [row])

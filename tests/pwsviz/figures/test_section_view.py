@@ -146,7 +146,7 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
     still = replace(early, at_rest=frozenset({1}))
     assert "Start 2 has ended with 1 point by t = 8.25: the motion has come to rest" in section_text(still)
     typed = points(portion(0, [1.0]), section_of="y - a**2", section_discard=9)
-    assert "on y − a² = 0, crossed either way." in section_text(typed)
+    assert "on y − a² = 0, crossed in both directions." in section_text(typed)
     assert "after the first 9 are discarded; integrated by taylor" in section_how(typed)
 
 

@@ -131,6 +131,9 @@ def test_how_names_all_that_repeats_the_diagram():
         "next smaller value", "taylor with tolerance 10⁻¹²", "Filippov",
     ):  # fmt: skip
         assert words in how, words
+    told = sweep_how(SweepInputs.of_scene(Scene(system="stick_slip", methods=["rk4"])))
+    assert "at crossings of S, and where sliding begins on it, for" in told
+    assert ": at most 100 points of each" in told
     chua = {"system": "chua", "methods": ["taylor"]}
     assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "all surfaces gₖ = 0, where gₖ rises"
     assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "all surfaces gₖ = 0"
