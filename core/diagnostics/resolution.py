@@ -219,8 +219,8 @@ class _Steps:
         if hidden.any():
             yield (
                 f"A step of {abs(self.h[hidden][0]):.3g} is too long for this surface: from t = "
-                f"{self.t[hidden][0]:.6g} on g varies within a step by more than its values and rates at both ends "
-                f"show, so crossings may have been missed; {self._advice}"
+                f"{self.t[hidden][0]:.6g} on g varies within a step in ways that its values and rates at both ends "
+                f"do not show, so crossings may have been missed; {self._advice}"
             )
 
     def _hides(self, rows: NDArray[np.intp], number: int, places: Floats, beyond: bool) -> NDArray[np.bool_]:

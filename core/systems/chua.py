@@ -21,6 +21,6 @@ SYSTEM = PiecewiseSystem(
     ),
     x0=(0.1, 0.1, 0.0),
     doc="Two capacitors, a coil, a resistor and a diode whose characteristic has three straight pieces, of negative "
-    "slope. The orbit turns for a while about a point beyond x = 1, or below x = −1, and changes over chaotically: the "
-    "double scroll.",
+    "slope. The orbit circles for a while about a point beyond x = 1, or below x = −1, and switches between the two "
+    "chaotically: the double scroll.",
 )

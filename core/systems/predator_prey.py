@@ -21,5 +21,5 @@ SYSTEM = PiecewiseSystem(
         Parameter("threshold", 1.0, (0.2, 4.0), "density above which prey is plentiful", r"\theta"),
     ),
     x0=(0.5, 1.0),
-    doc="Predators y live on prey x. Where prey is plentiful, x > θ, they are sated, and each prey feeds fewer.",
+    doc="Predators y live on prey x. Where prey is plentiful, x > θ, they are sated, and the same prey sustains fewer.",
 )

@@ -81,7 +81,8 @@ _WORDS = {
     ),
     Status.ZENO: (
         "crossings or jumps come ever closer and accumulate here (Zeno)",
-        "These laws do not determine the motion beyond this time. What follows, such as rest, needs a law of its own.",
+        "These laws do not determine the motion beyond this time: to continue, for instance at rest, a further law is "
+        "needed.",
     ),
     Status.CROSSING_LIMIT: ("the limit of crossings is reached", "Raise the limit (max_crossings) to continue."),
     Status.STEP_LIMIT: (

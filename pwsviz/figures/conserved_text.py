@@ -111,7 +111,8 @@ def _change(curve: ErrorCurve) -> str:
         return ""
     worst, size = float(error.max()), float(curve.psi_size[-1])
     if worst > CEILING:
-        return f"{method} leaves the plot at t = {t[np.argmax(error > CEILING)]:.4g}: {largest(error)}"
+        ends = "blows up" if curve.runs_off else "leaves the plot"
+        return f"{method} {ends} at t = {t[np.argmax(error > CEILING)]:.4g}: {largest(error)}"
     if worst == 0:
         return f"{method} conserves ψ exactly"
     until = f"up to t = {_end_of(curve, known):.4g}"

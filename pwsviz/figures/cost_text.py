@@ -93,12 +93,9 @@ def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
     header = ("error at most", f"{best} integrator", cost, f"{best} external solver", cost)
     some = any(np.isfinite(error_of(curve, up)).any() for curve in study.curves)
     rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
-    what = "Least time" if across == "seconds" else "Fewest evaluations"
-    ties = f"; integrators within a factor of {TIE:g} are listed as well" * (across == "seconds")
-    caption = (
-        f"{what} for a given error, of the settings measured; only runs with the solution’s sequence of crossings "
-        f"count{ties}"
-    )
+    what = "Shortest measured run time" if across == "seconds" else "Fewest evaluations measured"
+    ties = f"; integrators up to {TIE:g} times slower are listed as well" * (across == "seconds")
+    caption = f"{what} for each error. Only runs with the correct sequence of crossings are considered{ties}"
     return Numbers(header, rows, caption=caption)
 
 

@@ -49,8 +49,8 @@ READOUT_STYLES: dict[str, str | None] = {
 OWN_LEVEL, ATTRACTS, REPELS = "ψ = ψ(trajectory)", "S attracts", "S repels"
 
 MEANINGS = {
-    OWN_LEVEL: f"“{OWN_LEVEL}”: in each region the level sets of ψ on which {{trajectory}} "
-    f"begins or enters it, in the first {PIECES_WITH_LEVELS} pieces of the run between crossings",
+    OWN_LEVEL: f"“{OWN_LEVEL}”: the level sets of ψ through the beginning of {{trajectory}} and through the points at "
+    f"which it enters a region, of its first {PIECES_WITH_LEVELS} pieces between crossings",
     ATTRACTS: f"“{ATTRACTS}”: both fields point towards it",
     REPELS: f"“{REPELS}”: both fields point away from it",
 }

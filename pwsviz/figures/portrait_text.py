@@ -96,7 +96,11 @@ def _beyond_wall(pictures: Pictures) -> str:
     beyond = {number for number, orbit in pictures.numbered if orbit.beyond}
     which = _named(pictures, beyond)
     lies = "lie" if len(beyond) > 1 else "lies"
-    return f"{which[:1].upper()}{which[1:]} {lies} beyond the wall, at which every run bounces." if beyond else ""
+    return (
+        f"{which[:1].upper()}{which[1:]} {lies} beyond the wall: no trajectory from its other side comes there."
+        if beyond
+        else ""
+    )
 
 
 def _named(pictures: Pictures, numbers: Collection[int]) -> str:

@@ -74,7 +74,7 @@ def _grid(study: core.StabilityStudy) -> str:
     taus, values = study.map.taus, study.map.values
     across, up = f"τ from {taus[0]:.3g} to {taus[-1]:.3g}", f"from {values[0]:.4g} to {values[-1]:.4g}"
     start = ", ".join("·" if k == study.coordinate else f"{x:.6g}" for k, x in enumerate(study.x0))
-    name = f"{variable_name(study.coordinate_name)} {up} in the start ({start})"
+    name = f"initial states ({start}) with {variable_name(study.coordinate_name)} {up}"
     drawn = study.largest_tau is not None and bool(study.largest_tau.found.any())
     until = _until(study, study.largest_tau) if study.largest_tau is not None else ""
     lines = f"The lines “largest successful τ” hold for the chosen start only, {until}. " * drawn
@@ -178,7 +178,7 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
         return f"from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected is not core.Status.COMPLETED:
         return f"from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
-    moved = f", as one crossing lies too close to t = {end:.4g} for a run to be judged there" * (horizon != end)
+    moved = f", since a crossing lies too close to t = {end:.4g} for a run to be judged there" * (horizon != end)
     return f"to t = {horizon:.4g}{moved}"
 
 

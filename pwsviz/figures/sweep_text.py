@@ -95,12 +95,13 @@ def sweep_text(found: Diagram, present: float) -> str:
         f"{plural(int(found.counts.sum()), 'point')}: {coordinate_name(inputs)} on {_where(inputs)} "
         f"for {plural(done, 'value')} of {parameter_name(inputs)} from {inputs.low:.6g} to {inputs.high:.6g}."
     )
+    found_all = f"The {plural(inputs.points, 'point')} requested were found for"
     if done and whole == done:
-        words += f" Each has all its {plural(inputs.points, 'point')}."
+        words += f" {found_all} every value."
     elif whole:
-        words += f" {whole:,} of them have all their {plural(inputs.points, 'point')}."
+        words += f" {found_all} {whole:,} of them."
     elif done:
-        words += f" None of them has all its {plural(inputs.points, 'point')}."
+        words += f" {found_all} none of them."
     hope = prospects(declared) if found.counts.any() or not done else ""
     said = (words, _at_present(found, present), _nothing_left(found), _refusal(found), hope)
     return " ".join(filter(None, said))
@@ -205,7 +206,7 @@ def sweep_numbers(found: Diagram) -> Numbers:
         (_words(code, found.inputs), f"{counts[code]:,}", _places(found.values, places[code]))
         for code in sorted(places, key=lambda code: -counts[code])
     )
-    return Numbers(("runs without all points", "values", name), rows)
+    return Numbers(("incomplete runs", "values", name), rows)
 
 
 def _words(code: int, inputs: SweepInputs) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -27,6 +28,7 @@ _ENDS = ("left", "right", "bottom", "top")
 MOST_NAMES = 200
 """Characters of a list of what may be chosen, up to which a complaint names all."""
 
+_DECIMAL_COMMA = re.compile(r"\s*[-+−]?[0-9]+,[0-9]+\s*")
 _SUCH = "Type one such as “0.01”, “1e-3”, “1/3” or “sqrt(2)”."
 
 
@@ -55,10 +57,14 @@ def number(value: object, subject: str, low: float, high: float) -> float:
     ValueError
         Naming the text or the subject, and what would do.
     """
+    text = str(value)
+    if not text.strip():
+        raise ValueError(f"Nothing is typed here. {_SUCH}")
     try:
-        result = value_of(str(value))
+        result = value_of(text)
     except ValueError:
-        raise ValueError(f"“{value}” is not a number. {_SUCH}") from None
+        point = " The decimal point is written as “.”." * (_DECIMAL_COMMA.fullmatch(text) is not None)
+        raise ValueError(f"“{text}” is not a number.{point} {_SUCH}") from None
     if not math.isfinite(result):
         raise ValueError(f"“{value}” is not a finite number. {_SUCH}")
     if not low <= result <= high:

@@ -300,7 +300,11 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
     ("system", "end", "told"),
     [
         ("elliptic_curve", 19.0, "to t = 19"),
-        ("elliptic_curve", 20.0, "to t = 20.07, as one crossing lies too close to t = 20 for a run to be judged there"),
+        (
+            "elliptic_curve",
+            20.0,
+            "to t = 20.07, since a crossing lies too close to t = 20 for a run to be judged there",
+        ),
         ("type_sliding", 20.0, "from which the solution itself ends before t = 20: a run has to end likewise"),
     ],
 )
@@ -331,7 +335,8 @@ def test_the_text_gives_the_grid_the_fixed_coordinates_and_for_which_start_the_l
     told = stability_text(study, "map")
     fixed = ", ".join("·" if k == study.coordinate else f"{x:.6g}" for k, x in enumerate(study.x0))
     assert told.startswith("6 × 5 values: τ from ")
-    assert f"in the start ({fixed}). The lines “largest successful τ” hold for the chosen start only, to t = " in told
+    assert f"initial states ({fixed}) with {study.coordinate_name} from " in told
+    assert ". The lines “largest successful τ” hold for the chosen start only, to t = " in told
 
 
 def test_an_integrator_that_works_with_every_step_size_is_said_to_do_so_up_to_the_last_one(study):

@@ -34,7 +34,7 @@ from tests.levels import deep_but
 def explorer():
     page = Explorer(Scene(), Results())
     page.refresh()
-    page.settle(20)
+    assert page.settle(120), "the first of them waits for the time loop to be compiled"
     yield page
     page.close()
 
