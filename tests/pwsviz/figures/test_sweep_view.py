@@ -78,7 +78,9 @@ def test_a_click_chooses_a_value():
 
 def test_words_and_table_say_how_many_values_end_how_and_where():
     words = sweep_text(MIXED, -2.9)
-    assert words.startswith("10 points: x on S for 6 values of a₋ from -3 to 3. The 4 points requested were found for 2 of them.")
+    assert words.startswith(
+        "10 points: x on S for 6 values of a₋ from -3 to 3. The 4 points requested were found for 2"
+    )
     assert "At a₋ = -3, next to the current value, the points repeat after 2, of crossings in both directions." in words
     rows = {row[0]: row[1:] for row in sweep_numbers(MIXED).rows}
     assert rows == {
@@ -89,7 +91,7 @@ def test_words_and_table_say_how_many_values_end_how_and_where():
     assert sweep_numbers(diagram([LIMIT] * 7)).rows == ()
     assert "The 4 points requested were found for every value." in sweep_text(diagram([LIMIT] * 7), 9.0)
     assert "next to the current value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
-    assert "None of them" in sweep_text(diagram([DONE] * 7), 0.0)
+    assert "were found for none of them." in sweep_text(diagram([DONE] * 7), 0.0)
 
 
 @pytest.mark.parametrize(
