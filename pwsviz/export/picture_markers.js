@@ -3,7 +3,7 @@
 
 import { copied } from "./picture_names.js"
 
-const COUNT = 5  // markers on a curve
+const COUNT = 5  // markers on the only curve of an integrator; fewer on each of several
 const SIZE = 8  // their diameter in pixels
 const APART = 26  // pixels at least between any two
 const TRIES = 200  // places looked at for one, each a third of that distance further along the curve
@@ -49,9 +49,10 @@ const spread_over = (curves, frame) => {
   const free = ([x, y]) => 0 < x && x < frame.width && 0 < y && y < frame.height &&
     found.every(([_, [a, b]]) => Math.hypot(x - a, y - b) >= APART)
   for (const [k, curve] of curves.entries()) {
-    const { length, place } = along(curve.path)
-    for (let n = 0; n < COUNT && curve.path.length > 1; n++) {
-      const first = (n + (k + 0.5) / curves.length) / COUNT * length
+    const { length, place } = along(curve.path), alike = curves.filter(({ marker, path }) => marker == curve.marker && path.length > 1)
+    const count = Math.round(COUNT / Math.sqrt(alike.length)) || 1
+    for (let n = 0; n < count && curve.path.length > 1; n++) {
+      const first = (n + (k + 0.5) / curves.length) / count * length
       for (let tried = 0; tried < TRIES; tried++) {
         const at = place(first + tried * APART / 3)
         if (first + tried * APART / 3 > length) break

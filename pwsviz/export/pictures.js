@@ -49,14 +49,16 @@ const fitted = async (views, wish, width) => {
   return { lines, pictures: await drawn(views, width, wish.printed, tallest - below(lines) - SLACK, least) }
 }
 
-// Of the curves of a portrait, which alone have round joins, the dashed ones lie on the solid one: without colours only white
-// edges tell them from it. The edges lie below all dashed curves, none of which they interrupt, and within the solid one,
-// which many turns would hide otherwise.
+// Of the curves of a portrait, which alone have round joins, the dashed ones lie on the solid one painted before them: without
+// colours only white edges tell them from it. The edges lie below those dashed curves, none of which they interrupt, and within
+// the solid one, which many turns would hide otherwise.
 const CURVES = "path[stroke-linejoin=round]", DASHED = "[stroke-dasharray]"
 const give_edges = picture => {
-  const solid = [...picture.querySelectorAll(`${CURVES}:not(${DASHED})`)].at(-1)
   const width = curve => Number(curve.getAttribute("stroke-width"))
-  for (const curve of solid == null ? [] : picture.querySelectorAll(CURVES + DASHED)) {
+  let solid = null
+  for (const curve of picture.querySelectorAll(CURVES)) {
+    if (!curve.matches(DASHED)) { solid = curve }
+    if (solid == null || solid == curve) { continue }
     const edges = curve.cloneNode(), free = Math.max(0, width(solid) - width(curve)) / 2
     edges.setAttribute("stroke", PAPER)
     edges.setAttribute("stroke-width", width(curve) + 2 * Math.min(EDGE, BARED * free))

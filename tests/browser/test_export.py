@@ -426,11 +426,22 @@ MARKERS = """markup => {
 }"""
 """The filled marks with a white edge in a picture, and those of its legend."""
 
+EDGES = """markup => {
+    const svg = new DOMParser().parseFromString(markup, "image/svg+xml").documentElement
+    let solid = 0
+    return [...svg.querySelectorAll("path[stroke-linejoin=round]")].flatMap(path => {
+        const width = Number(path.getAttribute("stroke-width"))
+        if (!path.hasAttribute("stroke-dasharray")) { solid = width }
+        return path.getAttribute("stroke") == "#ffffff" ? [[width, solid]] : []
+    })
+}"""
+"""The width of each white edge of a dashed curve, and of the solid curve below."""
+
 
 @pytest.mark.parametrize("query", ["view=conserved", "view=state", "view=stability&stability_part=drift"])
 def test_in_print_each_dashed_curve_has_markers_of_its_own_in_the_picture_and_in_the_legend(visit, query):
     """So that curves can be named without colours, and where one lies on another: squares, triangles and hexagons."""
-    page = visit(query=f"v=2&methods=dmm2,rk2,rk4,dmm4&{query}")
+    page = visit(query=f"v=2&methods=dmm2,rk2,rk4,dmm4&starts=-1,-1;-1.5,0.3;-0.5,-0.5&{query}")
     await_that(page, PORTRAIT)
     page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
     await_still(page)
@@ -438,7 +449,10 @@ def test_in_print_each_dashed_curve_has_markers_of_its_own_in_the_picture_and_in
     files = page.get_by_role("button", name="SVG")
     files.nth(1).wait_for()
     for k in range(2):
-        found = page.evaluate(MARKERS, downloaded(page, files.nth(k)).decode())
+        markup = downloaded(page, files.nth(k)).decode()
+        found, edges = page.evaluate(MARKERS, markup), page.evaluate(EDGES, markup)
+        assert len(edges) == 9 * (k == 0), "of three dashed curves from each of three starts, in the portrait"
+        assert all(width < solid for width, solid in edges), "no white edge hides the curve below"
         keys, marks = ([one for one in found if one["key"] is wanted] for wanted in (True, False))
         shapes = {one["corners"] for one in keys}
         assert shapes == {3, 5, 6}, "a square ends at the corner where it began"
