@@ -428,14 +428,19 @@ MARKERS = """markup => {
 
 EDGES = """markup => {
     const svg = new DOMParser().parseFromString(markup, "image/svg+xml").documentElement
-    let solid = 0
-    return [...svg.querySelectorAll("path[stroke-linejoin=round]")].flatMap(path => {
-        const width = Number(path.getAttribute("stroke-width"))
-        if (!path.hasAttribute("stroke-dasharray")) { solid = width }
-        return path.getAttribute("stroke") == "#ffffff" ? [[width, solid]] : []
-    })
+    const curves = [...svg.querySelectorAll("path[stroke-linejoin=round]")]
+    const [dashed, white] = ["stroke-dasharray", "white"].map(name => new Set(curves.filter(
+        path => name == "white" ? path.getAttribute("stroke") == "#ffffff" : path.hasAttribute(name))))
+    const width = path => Number(path.getAttribute("stroke-width")), way = path => path.getAttribute("d")
+    let solid = null
+    const below = new Map()  // the way of a dashed curve -> the solid curve painted before it
+    for (const path of curves) {
+        if (!dashed.has(path)) { solid = path }
+        else if (!white.has(path)) { below.set(way(path), solid) }
+    }
+    return [...white].map(path => [width(path), width(below.get(way(path)))])
 }"""
-"""The width of each white edge of a dashed curve, and of the solid curve below."""
+"""The width of each white edge of a dashed curve, and of the solid curve on which that lies."""
 
 
 @pytest.mark.parametrize("query", ["view=conserved", "view=state", "view=stability&stability_part=drift"])
