@@ -42,9 +42,10 @@ const width_of = (words, size) => {
   return pen.measureText(words).width
 }
 
-// The spaces of a text but those of a relation, before a sign of operation, after a comma in brackets, or of a short sum in
-// them, and after an article: t = 20, (1, 2) and (x² + y²) stay on one line, and a longer sum breaks after a sign.
-const BETWEEN_WORDS = /(?<![=<>≤≥≈])(?<!(?<![^ (“])[Aa])(?<!\([^()]{0,60},)(?<!\([^() ]+ [+−]?) (?![=<>≤≥≈]|[+−×] )/
+// The spaces of a text but those of a relation or a product, before a sign of operation, after a comma in brackets, or of a
+// short sum in them, and after an article and words with a number: t = 20, (1, 2), (x² + y²) and “order 2” stay on one line, and
+// a longer sum breaks after a sign.
+const BETWEEN_WORDS = /(?<![=<>≤≥≈×])(?<!\b(?:order|region))(?<!(?<![^ (“])[Aa])(?<!\([^()]{0,60},)(?<!\([^() ]+ [+−]?) (?![=<>≤≥≈]|[+−×] )/
 
 // The lines of a text, broken between words (or at other separators) where it would be wider than a number of pixels.
 export const wrapped = (words, width, size, between = BETWEEN_WORDS) => {

@@ -67,7 +67,7 @@ def meaning(curves: Sequence[ErrorCurve]) -> str:
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         largest_value = "largest value so far" if round_off_grows(curves[0]) else "largest value in the run"
         words.append(
-            f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the {largest_value} of |ψ| + Σ |xₖ ∂ψ/∂xₖ|, the "
+            f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the {largest_value} of |ψ| + Σ |xₖ\u00a0∂ψ/∂xₖ|, the "
             "size of ψ’s terms, summed over all variables xₖ; the machine epsilon is 2⁻⁵²"
         )
     if CHANGE_OF_G in name:

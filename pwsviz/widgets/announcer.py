@@ -12,6 +12,9 @@ __all__ = ["Announcer"]
 RESTS = 700
 """Milliseconds without news after which they are told: not at each move of a slider."""
 
+KEPT = 30_000
+"""Milliseconds after which news are taken back: who reads the page later would find them beside another scene."""
+
 UNSEEN = """
 [role=status] { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%);
                 white-space: nowrap; }
@@ -28,11 +31,13 @@ class Announcer(pn.custom.JSComponent):
 export function render({ model, el }) {
   const region = Object.assign(document.createElement("div"), { role: "status" }), news = new Map()
   el.append(region)
-  let timer = null
+  let timer = null, end = null
   const tell = () => {
     const words = Object.assign(document.createElement("p"), { textContent: [...news.values()].join(" ") })
     region.replaceChildren(words)  // a new element is told, be its words those of the last
     news.clear()
+    clearTimeout(end)
+    end = setTimeout(() => region.replaceChildren(), KEPT)
   }
   for (const source of ["portrait", "view"]) {
     const take = () => {
@@ -44,9 +49,9 @@ export function render({ model, el }) {
     model.on(source, take)
     take()
   }
-  model.on("remove", () => clearTimeout(timer))
+  model.on("remove", () => [timer, end].forEach(clearTimeout))
 }
-""".replace("RESTS", str(RESTS))
+""".replace("RESTS", str(RESTS)).replace("KEPT", str(KEPT))
     _stylesheets: ClassVar[list[str]] = [UNSEEN]
 
     def tell_of_portrait(self, words: str) -> None:
