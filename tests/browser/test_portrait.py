@@ -101,6 +101,7 @@ def double_click(page, place):
         for late, kind in ((0.0, "mousePressed"), (0.05, "mouseReleased")):
             event = {"type": kind, "x": place[0], "y": place[1], "button": "left", "clickCount": click}
             session.send("Input.dispatchMouseEvent", {**event, "timestamp": began + 0.1 * click + late})
+    page.wait_for_timeout(1000)  # a click that came sooner would be one of these
 
 
 def place_second(page):
