@@ -59,7 +59,9 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     """Return the integrators and the time of the runs in one part of a study; `method` is that of the map."""
     methods = listed(study.methods)
     if part == "map":
-        lines = f"; the lines are those of {methods}" if study.largest_tau is not None else ""
+        known = study.largest_tau.found if study.largest_tau is not None else ()
+        found = [name for name, there in zip(study.methods, known, strict=False) if there]
+        lines = f"; lines are drawn for {listed(found)}" if found else ""
         return f"each point is a run of {method} to t = {study.t_span[1]:.6g}{lines}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
