@@ -218,9 +218,9 @@ class _Steps:
         """Warn of a step in which a pair of crossings may have been missed."""
         if hidden.any():
             yield (
-                f"A step of {abs(self.h[hidden][0]):.3g} is too long for this surface: from t = "
-                f"{self.t[hidden][0]:.6g} on g varies within a step in ways that its values and rates at both ends "
-                f"do not show, so crossings may have been missed; {self._advice}"
+                f"{self._step(np.argmax(hidden))} is too long for this surface: from there on g varies within a step "
+                f"in ways that its values and rates at both ends do not show, so crossings may have been missed; "
+                f"{self._advice}"
             )
 
     def _hides(self, rows: NDArray[np.intp], number: int, places: Floats, beyond: bool) -> NDArray[np.bool_]:
@@ -272,9 +272,8 @@ class _Steps:
             missed = self._has_missed(k, times, values)
             if missed.any():
                 yield (
-                    f"A step of {abs(self.h[missed][0]):.3g} is too long for the event function {text!r}: from t = "
-                    f"{self.t[missed][0]:.6g} on it changes sign more often than events were found, so "
-                    f"events may have been missed; {self._advice}"
+                    f"{self._step(np.argmax(missed))} is too long for the event function {text!r}: from there on it "
+                    f"changes sign more often than events were found, so events may have been missed; {self._advice}"
                 )
 
     def _has_missed(self, k: int, times: Floats, values: Floats) -> NDArray[np.bool_]:
@@ -335,9 +334,15 @@ class _Steps:
         worst = int(np.argmax(np.nan_to_num(part, nan=0.0)))
         if part[worst] > (_APART_KEPT if self.method.adaptive else _APART):
             yield (
-                f"A step of {abs(self.h[worst]):.3g} is too long for this field: at t = {self.t[worst]:.6g} its "
-                f"result differs from that of shorter steps by {_share(part[worst])}; {self._advice}"
+                f"{self._step(worst)} is too long for this field: its result differs from that of shorter steps by "
+                f"{_share(part[worst])}; {self._advice}"
             )
+
+    def _step(self, row: int | np.intp) -> str:
+        """Return a step in words: its length, of which tau it is a part, and where it begins."""
+        length, tau = abs(self.h[row]), self.run.tau
+        part = "" if self.method.adaptive or length >= (1.0 - _NEAR) * tau else f" (part of tau = {tau:.6g})"
+        return f"The step of {length:.3g}{part} at t = {self.t[row]:.6g}"
 
     @property
     def _advice(self) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-__all__ = ["MEANINGS", "by_name", "meanings"]
+__all__ = ["MEANINGS", "by_name", "is_count", "meanings"]
 
 _TIME = "in the system’s unit of time"
 
@@ -42,7 +42,7 @@ MEANINGS: Mapping[str, str] = {
     "fit_below": "errors below this may enter the fit",
     "seconds": "processor time of a run, in s",
     "compile_seconds": "processor time to compile or load, not included in seconds, in s",
-    "evaluations": "evaluations of the (discrete) field",
+    "evaluations": "number of evaluations of the (discrete) field",
     "state_error": "‖x − x*‖₂ at the end, x* the solution",
     "time_error": f"|t̂ − t*| of the last crossing, {_TIME}",
     "invariant_error": "largest |Δψ| of the run, the error of ψ since the start",
@@ -60,6 +60,11 @@ MEANINGS: Mapping[str, str] = {
     "delta": "distance of the start from the tangency",
 }
 """Meaning of each column by its name; the variables of a system need none."""
+
+
+def is_count(name: str) -> bool:
+    """Whether a column counts something: its numbers are whole, or nan."""
+    return MEANINGS.get(name, "").startswith("number of ")
 
 
 def by_name(names: Sequence[str], columns: Iterable[NDArray[Any]]) -> dict[str, NDArray[Any]]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import re
 import zipfile
 from collections.abc import Callable, Iterable, Mapping
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pwsviz.export.columns import meanings
+from pwsviz.export.columns import is_count, meanings
 from pwsviz.scene.checks import OWN
 from pwsviz.scene.permalink import digest
 from pwsviz.scene.scene import Scene
@@ -57,7 +58,8 @@ def csv_bytes(table: Table, about: Mapping[str, str] | None = None) -> bytes:
     writer.writerow(map(_harmless, columns))
     file = io.BytesIO()
     for start in range(0, max(map(len, columns.values()), default=0), ROWS):
-        writer.writerows(zip(*(_cells(column[start : start + ROWS]) for column in columns.values()), strict=True))
+        cells = (_cells(name, column[start : start + ROWS]) for name, column in columns.items())
+        writer.writerows(zip(*cells, strict=True))
         file.write(text.getvalue().encode())
         text.seek(0)
         text.truncate()
@@ -123,8 +125,10 @@ def _columns(table: Table) -> dict[str, NDArray[Any]]:
     return columns
 
 
-def _cells(column: NDArray[Any]) -> Iterable[object]:
-    cells: list[object] = column.tolist()  # the writer gives floats to the last digit
+def _cells(name: str, column: NDArray[Any]) -> Iterable[object]:
+    cells: list[Any] = column.tolist()  # the writer gives floats to the last digit
+    if column.dtype.kind == "f" and is_count(name):
+        return [int(count) if math.isfinite(count) else count for count in cells]
     return map(_harmless, cells) if column.dtype.kind == "U" else cells
 
 

@@ -216,12 +216,14 @@ const drop_unseen = svg => {
   svg.querySelectorAll('text[fill="none"][stroke-opacity="0"]').forEach(words => words.remove())
 }
 
-// Shades deeper in print, where they must be told apart without their colours.
-const DEEPER = 1.5, SHADE = 0.25  // times their opacity, and what is less opaque is a shade
-const deepen_shades = svg => {
-  for (const area of svg.querySelectorAll("[fill-opacity]")) {
-    const opacity = parseFloat(area.getAttribute("fill-opacity"))
-    if (0 < opacity && opacity < SHADE) area.setAttribute("fill-opacity", DEEPER * opacity)
+// Each shade of ground as opaque as it is to be in print: deep enough to be told from others without its colour, and the same in
+// every picture. `shades`: colour -> opacity.
+const SHADE = 0.25  // what is less opaque on the page is a shade
+const hexadecimal = colour => `#${colour.match(/[0-9]+/g).map(part => Number(part).toString(16).padStart(2, "0")).join("")}`
+const deepen_shades = (svg, shades) => {
+  for (const area of svg.querySelectorAll("[fill^=rgb][fill-opacity]")) {
+    const opacity = shades[hexadecimal(area.getAttribute("fill")).toUpperCase()]
+    if (opacity != null && parseFloat(area.getAttribute("fill-opacity")) < SHADE) area.setAttribute("fill-opacity", opacity)
   }
 }
 
@@ -266,7 +268,7 @@ const equal_scales = ({ frame: { bbox } }, across, most) => {
 
 // Figures for a picture of a given width, together at most so tall where their frames have at least a height then: each as an SVG element with its size
 // and the height of its frame in pixels. Frames have one left edge and one right edge.
-export const drawn = async (views, width, printed, tallest, least) => {
+export const drawn = async (views, width, { printed, shades }, tallest, least) => {
   const shape = Math.min(SHAPE, SHAPES / views.length)
   let seen = views.map(({ frame }) => ({ left: 0, right: RIM, around: 0, tall: shape * width, scale: frame.y_scale }))
   const shape_of = (view, k) => {
@@ -297,7 +299,7 @@ export const drawn = async (views, width, printed, tallest, least) => {
       const { frame, bbox: { width, height } } = other, svg = other.export("svg", false).canvas
       host.append(svg)
       drop_unseen(svg)
-      if (printed) deepen_shades(svg)
+      if (printed) deepen_shades(svg, shades)
       for (const words of svg.querySelectorAll("text")) typeset(words, parseFloat(words.getAttribute("font-size")) || SMALL)
       keep_pixels(svg, other)
       keep_inside(svg, frame.bbox)

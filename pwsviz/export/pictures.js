@@ -46,7 +46,7 @@ const fitted = async (views, wish, width) => {
   const words = [caption, caption && views.some(thinned) ? THINNED : "", ...keys].filter(Boolean).join(" ")
   const lines = wrapped(words, width - 2 * GAP, SMALL), tallest = width / wish.millimetres * wish.tallest
   const least = Math.min(LEAST * width, PART * tallest)
-  return { lines, pictures: await drawn(views, width, wish.printed, tallest - below(lines) - SLACK, least) }
+  return { lines, pictures: await drawn(views, width, wish, tallest - below(lines) - SLACK, least) }
 }
 
 // Of the curves of a portrait, which alone have round joins, the dashed ones lie on the solid one painted before them: without
@@ -184,7 +184,7 @@ const WRITERS = {
 const amount = words => Number(/[0-9]+/.exec(words)[0])  // such as that of “175 mm”
 
 // Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, captions ("short" and "full", which is always
-// in the metadata of SVG and PDF), and the choices as they are offered. Returns what is to be said of it; empty if that is nothing.
+// in the metadata of SVG and PDF), shades (the opacity in print of each colour), and the choices as they are offered. Returns what is to be said of it; empty if that is nothing.
 export const save = async (ids, chosen) => {
   const views = ids.map(id => Bokeh.index.find_one_by_id(id)).filter(view => view != null)
   if (views.length == 0) throw new Error("the figure is no longer on the page")

@@ -64,9 +64,9 @@ import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished)).then
 def picture_callback(plots: Sequence[figure]) -> str:
     """Return JavaScript that saves figures as one file, one below the other.
 
-    It takes from its arguments ``wish``, a mapping with ``kind`` (of `KINDS`), ``name`` of the file, ``title`` and
-    ``captions``, "short" and "full"; a widget for each of `CHOICES`; and ``trouble``, a pane for the reason of a
-    failure, of which the server does not learn.
+    It takes from its arguments ``wish``, a mapping with ``kind`` (of `KINDS`), ``name`` of the file, ``title``,
+    ``captions``, "short" and "full", and ``shades``, the opacity in print of each colour of ground; a widget for each
+    of `CHOICES`; and ``trouble``, a pane for the reason of a failure, of which the server does not learn.
     """
     code = _SAVE.replace("MODULE", __name__).replace("CHOICES", ", ".join(CHOICES))
     return code.replace("IDS", json.dumps([plot.id for plot in plots]))

@@ -76,8 +76,10 @@ TINT = 0.13
 """Opacity of the first shade in the portrait, beneath arrows and level sets."""
 
 OPACITY = {-1: 0.19, 1: 0.14, 2: 0.2, 3: 0.14, 0: 0.19}
-"""Opacity of each shade behind curves against time. Pictures have them deeper by half, where the first two
-differ in a print without colours, too."""
+"""Opacity of each shade behind curves against time."""
+
+PRINTED_OPACITY = {SHADES[shade]: 1.5 * opacity for shade, opacity in OPACITY.items()}
+"""Opacity in print of each colour of `SHADES`, in every figure: without colours, too, the first two differ."""
 
 HEIGHT = "clamp(340px, min(100vh - var(--rest, 15.6rem), 90vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall; a lecture sets `--rest`."""

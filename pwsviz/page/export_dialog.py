@@ -20,6 +20,7 @@ from pwsviz.export.latex import latex_file
 from pwsviz.export.pictures import CHOICES, KINDS, picture_callback, pixels
 from pwsviz.export.script import snippet
 from pwsviz.export.short_caption import short_caption
+from pwsviz.figures.style import PRINTED_OPACITY
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.dialog import dialog
@@ -194,8 +195,9 @@ class ExportDialog(pn.viewable.Viewer):
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
         captions = {"short": short_caption(self.scene, piece.heading or piece.title, free=piece.free, **piece.origin)}
         captions["full"] = _caption(self.scene, piece)
-        wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
-        given = {"wish": {**wish, "captions": captions}, "trouble": self.not_saved, **self._choices}
+        named = {"name": file_name(self.scene, piece.title, kind), "title": piece.title, "captions": captions}
+        wish = {"kind": kind, **named, "shades": PRINTED_OPACITY}
+        given = {"wish": wish, "trouble": self.not_saved, **self._choices}
         button.js_on_click(args=given, code=picture_callback(piece.figures))
         return button
 

@@ -29,6 +29,7 @@ MOST_NAMES = 200
 """Characters of a list of what may be chosen, up to which a complaint names all."""
 
 _DECIMAL_COMMA = re.compile(r"\s*[-+−]?[0-9]+,[0-9]+\s*")
+_LIMIT = re.compile(r"'[^']*': ((?:it contains|the exponent|the number|a number) .*)")  # of what is written as a number
 _SUCH = "Type one such as “0.01”, “1e-3”, “1/3” or “sqrt(2)”."
 
 
@@ -62,7 +63,9 @@ def number(value: object, subject: str, low: float, high: float) -> float:
         raise ValueError(f"Nothing is typed here. {_SUCH}")
     try:
         result = value_of(text)
-    except ValueError:
+    except ValueError as refused:
+        if (limit := _LIMIT.search(str(refused))) is not None:
+            raise ValueError(f"“{text}” cannot be used: {limit[1]}. {_SUCH}") from None
         point = " The decimal point is written as “.”." * (_DECIMAL_COMMA.fullmatch(text) is not None)
         raise ValueError(f"“{text}” is not a number.{point} {_SUCH}") from None
     if not math.isfinite(result):

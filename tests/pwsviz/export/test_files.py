@@ -45,6 +45,12 @@ def test_npz_holds_the_columns_and_where_they_come_from(numbers, words):
     assert "kind of the crossing" in about["columns"]
 
 
+def test_counts_are_written_as_whole_numbers():
+    _, columns = read_csv(csv_bytes({"crossings": [21.0, np.nan, 0.0], "t": [1.0, 2.0, 3.0]}))
+    assert columns["crossings"] == ("21", "nan", "0")
+    assert columns["t"] == ("1.0", "2.0", "3.0")
+
+
 def test_a_long_table_is_written_whole():
     t = np.arange(2.0 * ROWS + 3)
     _, columns = read_csv(csv_bytes({"t": t}))

@@ -254,7 +254,7 @@ def test_a_run_that_reaches_the_end_by_too_long_steps_is_warned_of_below_the_por
     explorer.scene.tau = 0.12
     explorer.settle(20)
     words = explorer.portrait_panel.status.object
-    assert "dmm2: A step of 0.12 is too long for this field" in words
+    assert "dmm2: The step of 0.12 at t = " in words
     assert "take a smaller τ" in words
     explorer.scene.place((-0.9, -1.1))
     explorer.scene.selected = 0
