@@ -47,11 +47,11 @@ class TaylorSeries(Scheme):
 PRK8 = Method(
     "prk8",
     Projected(DOP853),
-    "rk8 with its step projected onto the level of ψ, order 8: explicit except for the projection, conserves every ψ.",
+    "rk8, each step projected onto the level set of ψ, order 8: explicit but for the projection, conserves every ψ.",
 )
 
 TAYLOR = Method(
     "taylor",
     TaylorSeries(),
-    "Taylor series, whose order and step size follow from a tolerance, projected onto the level of ψ, if one is known.",
+    "Taylor series, order and step size chosen from a tolerance; projected onto the level set of ψ where one is known.",
 )

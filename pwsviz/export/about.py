@@ -28,8 +28,8 @@ OMITTED = "its equations are in the TEX, CSV and NPZ files"
 FEW_DIGITS, ROUNDED = 6, 5
 """Significant digits up to which a caption has a number as it is, and those to which it rounds others."""
 
-EXACT = "Exact values are in the CSV and NPZ files."
-"""What a caption adds where it has rounded a number."""
+IF_KNOWN = " where one is known"
+"""With which the declaration of an integrator ends a clause on what it does with a conserved quantity."""
 
 ORDINARY = {"Classical", "Composition", "Explicit"}
 """Words at the beginning of the declaration of an integrator that are no names."""
@@ -66,7 +66,7 @@ def release() -> str:
 
 def about(
     scene: Scene, address: str = "", how: str = "", *, every_start: bool = True, slid: bool = True, endings: str = "",
-    told: Told = exact,
+    free: str = "", told: Told = exact,
 ) -> dict[str, str]:  # fmt: skip
     """Return what recomputes a scene, each part under its name: for the header of a file.
 
@@ -84,6 +84,8 @@ def about(
         Whether one of the runs slides; if none does, sliding is not mentioned.
     endings : str
         Which runs ended before the end time, if any did.
+    free : str
+        A parameter, or a variable at the start, that has many values in it; its present one is left out.
     told : callable
         Writes the numbers of the scene, as `exact` or `brief`.
     """
@@ -95,29 +97,27 @@ def about(
     parts |= {"system": scene.declaration.name, "equations": equations(scene.declaration)}
     return parts | {
         "variables": f"{_variables(scene)}; a column of such a name has its values",
-        "parameters": _parameters(scene, told),
-        "starts": _starts(scene, every_start, told),
-        "integration": "; ".join(filter(None, (how or _integration(scene, slid, told, bool(endings)), endings))),
+        "parameters": _parameters(scene, told, free),
+        "starts": _starts(scene, every_start, told, free),
+        "integration": "; ".join(filter(None, (how or _integration(scene, slid, told), endings))),
     }
 
 
 def caption(
-    scene: Scene, heading: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True,
-    endings: str = "",
+    scene: Scene, heading: str, how: str = "", *, every_start: bool = True, slid: bool = True, endings: str = "",
+    free: str = "",
 ) -> str:  # fmt: skip
     """Return the caption of a picture: what it shows, the equations, the parameters and the method.
 
     Parameters
     ----------
-    scene, how, every_start, slid, endings
+    scene, how, every_start, slid, endings, free
         As in `about`.
     heading : str
         What the picture shows, to be followed by “of the system”.
-    free : str
-        A parameter that has many values in it, whose present one is left out.
     """
-    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, told=brief)
-    values = f"; {values}" if (values := _parameters(scene, brief, free)) else ""
+    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, free=free, told=brief)
+    values = f"; {values}" if (values := parts["parameters"]) else ""
     sentences = [f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration")]
     system = scene.declaration
     surface = ", S = {g = 0}" if system.two_sided else ""
@@ -125,17 +125,22 @@ def caption(
     signs = f"; a region is named by the signs of {listed([f'g{k + 1}' for k in range(count)])}"
     signs *= not system.two_sided and count > 0
     laws = f"{parts['equations']}{surface}{signs}" if len(parts["equations"]) <= LONGEST else OMITTED
-    rounded = [EXACT] if "≈" in f"{values}{sentences}" else []
-    told = " ".join([f"{laws}{values}.", *sentences, *_methods(parts["integration"]), *rounded])
+    methods = _methods(parts["integration"], known=system.laws.most_conserved > 0)
+    told = " ".join([f"{laws}{values}.", *sentences, *methods])
     return f"{named(scene, heading)}: {printed(indexed(told))}"
 
 
-def _methods(words: str) -> list[str]:
-    """Return a sentence on the integrators that are named in words, each as it is declared; none if none is named."""
+def _methods(words: str, known: bool) -> list[str]:
+    """Return a sentence on the integrators that are named in words, each as it is declared; none if none is named.
+
+    What one does “where one is known”, a conserved quantity, is told if one is `known`.
+    """
     said: list[str] = []
     for name, method in reversed(list(core.METHODS.items())):  # the declaration of one may name an earlier one
         if re.search(rf"\b{name}\b", " ".join([words, *said])):
-            said.insert(0, f"{name}: {_within_a_sentence(re.split('[:;]', method.doc)[0].rstrip('.'))}")
+            first, *more = re.split("[:;] ", method.doc.rstrip("."))
+            more = [one.removesuffix(IF_KNOWN) for one in more if known and one.endswith(IF_KNOWN)]
+            said.insert(0, f"{name}: {', '.join([_within_a_sentence(first), *more])}")
     return [f"{'; '.join(said)}."] if said else []
 
 
@@ -151,34 +156,42 @@ def _variables(scene: Scene) -> str:
     return ", ".join(name if shown == name else f"{name} (in equations {shown})" for name, shown in names)
 
 
-def _parameters(scene: Scene, told: Told, free: str = "") -> str:
+def _parameters(scene: Scene, told: Told, free: str) -> str:
     symbols = {q.name: short_name(q) for q in scene.declaration.parameters}
     return printed(", ".join(f"{symbols[name]} {told(value)}" for name, value in scene.values.items() if name != free))
 
 
-def _starts(scene: Scene, every: bool, told: Told) -> str:
-    """Return all starts, in the order of the numbers that mark them; or the selected one, with its number."""
+def _starts(scene: Scene, every: bool, told: Told, free: str) -> str:
+    """Return all starts, in the order of the numbers that mark them; or the selected one, with its number.
+
+    Of a variable that has many values the name stands in the place of its value.
+    """
     count, chosen = len(scene.starts), min(scene.selected, len(scene.starts) - 1)
     used = scene.starts if every else scene.starts[chosen : chosen + 1]
-    numbers = [[told(x).split(" ") for x in start] for start in used]
-    points = "; ".join(f"({', '.join(text for _, text in point)})" for point in numbers)
-    sign = "≈" if any(mark == "≈" for point in numbers for mark, _ in point) else "="
-    names = ", ".join(map(variable_name, scene.declaration.variables))
+    variables = scene.declaration.variables
+    numbers = [
+        [f"= {variable_name(name)}" if name == free else told(x) for name, x in zip(variables, start, strict=True)]
+        for start in used
+    ]
+    points = "; ".join(f"({', '.join(text.split(' ')[1] for text in point)})" for point in numbers)
+    sign = "≈" if any(text.startswith("≈") for point in numbers for text in point) else "="
+    names = ", ".join(map(variable_name, variables))
     which = f", start {chosen + 1} of {count}" if len(used) < count else ""
     head = f"initial states 1 {'and' if count == 2 else 'to'} {count}:" if len(used) > 1 else "initial state"
+    if free in variables:
+        head, which = "initial states", ""
     return printed(f"{head} ({names}) {sign} {points}{which}")
 
 
-def _integration(scene: Scene, slid: bool, told: Told, early: bool) -> str:
-    """Return the integrators, the step size and what happens at crossings; `early` if a run ended before its time."""
-    used = scene.used
-    adaptive = [name for name in used if _adaptive(name)]
-    steps = [f"step size τ {told(scene.tau)}"] if len(adaptive) < len(used) else []
-    steps += [f"{f'for {listed(adaptive)} ' * bool(steps)}tolerance {scene.tolerance:.3g}"] if adaptive else []
+def _integration(scene: Scene, slid: bool, told: Told) -> str:
+    """Return the integrators, the step size and what happens at crossings."""
+    adaptive = [name for name in scene.used if _adaptive(name)]
+    others = [name for name in scene.used if name not in adaptive]
+    by = [f"by {listed(others)} with step size τ {told(scene.tau)}"] if others else []
+    by += [f"by {listed(adaptive)} with tolerance {scene.tolerance:.3g}"] if adaptive else []
     met = met_at_surfaces(scene.declaration)
     crossings = at_surface(met, scene.locate, scene.slides and slid, scene.perturbation_order, scene.perturbation_scale)
-    until = f"to t {told(scene.t_end)}{' or an earlier end' * early}"
-    return f"integrated by {listed(used)} with {' and '.join(steps)} {until}; {crossings}"
+    return f"integrated {' and '.join(by)} to t {told(scene.t_end)}; {crossings}"
 
 
 def _adaptive(method: str) -> bool:

@@ -16,14 +16,14 @@ LONGEST = 70
 
 
 def short_caption(
-    scene: Scene, heading: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True,
-    endings: str = "",
+    scene: Scene, heading: str, how: str = "", *, every_start: bool = True, slid: bool = True, endings: str = "",
+    free: str = "",
 ) -> str:  # fmt: skip
     """Return a caption of a few lines, for a picture whose text tells the equations; the arguments as of `caption`.
 
     Of how a study was made it has the first clause, the integrator, and what is unusual at crossings.
     """
-    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, told=brief)
+    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, free=free, told=brief)
     known = [q for q in scene.declaration.parameters if q.name != free]
     values = ", ".join(f"{short_name(q)} {brief(scene.values[q.name])}" for q in known)
     first, *further = parts["integration"].split("; ")

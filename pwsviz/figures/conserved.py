@@ -92,7 +92,7 @@ class ConservedView:
         for side in OCCUPIED:
             self.segments[side] = ColumnDataSource({"start": [], "end": []})
             self.bands[side] = plot.add_glyph(self.segments[side], side_strips(side))
-        self.levels = mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: BELOW_RANGE, NOWHERE: "round-off"})
+        self.levels = mark_levels(plot, {MACHINE_EPSILON: "eps = 2⁻⁵²", FLOOR: BELOW_RANGE, NOWHERE: "round-off"})
 
     def _curve_glyphs(self) -> None:
         plot = self.figure

@@ -55,20 +55,21 @@ def axis_name(curves: Sequence[ErrorCurve] = ()) -> str:
     return f"error {'; '.join(filter(None, (CHANGE_OF_PSI * (other or not slides), CHANGE_OF_G * slides)))}"
 
 
-def meaning(curves: Sequence[ErrorCurve]) -> str:
-    """Return what is drawn, in the sentences of a caption."""
+def meaning(curves: Sequence[ErrorCurve], met: str) -> str:
+    """Return what is drawn, in the sentences of a caption; `met` names what runs meet: crossings, jumps or both."""
     name, words = axis_name(curves), []
     if CHANGE_OF_PSI in name:
-        words.append(
-            "|Δψ| is the change of ψ since the start, summed over the pieces of the run between crossings, on each of "
-            "which ψ is constant for the exact solution; changes that the system makes at crossings are excluded"
+        between = (
+            f", summed over the pieces of the run between {met}, on each of which the exact solution keeps ψ constant; "
+            f"changes that the system itself makes at {met} are excluded"
         )
+        words.append(f"|Δψ| is the change of ψ since the start{between * any(len(one.crossings) for one in curves)}")
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         largest_value = "largest value so far" if round_off_grows(curves[0]) else "largest value in the run"
         words.append(
             f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the {largest_value} of |ψ| + Σ |xₖ\u00a0∂ψ/∂xₖ|, the "
-            "size of ψ’s terms, summed over all variables xₖ; the machine epsilon is 2⁻⁵²"
+            "size of ψ’s terms, summed over all variables xₖ; eps is the machine epsilon"
         )
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
@@ -96,7 +97,7 @@ def _about_marks(curves: Sequence[ErrorCurve]) -> str:
     if many > MOST_BANDS:
         whose = f" of {first.method}" * (len(curves) > 1)
         return f" The {many:,} crossings{whose} are too dense to mark; the sides are not shaded."
-    return f" Sides and crossings shown are those of {first.method}." * (len(curves) > 1)
+    return f" Marks and shades are those of {first.method}." * (len(curves) > 1)
 
 
 def _change(curve: ErrorCurve) -> str:

@@ -72,13 +72,15 @@ def setting_text(curve: CostCurve, k: int) -> str:
 
 
 def settings_text(study: core.WorkPrecision) -> str:
-    """Return between which step sizes and tolerances the points lie: “τ from 0.001 to 0.2”."""
+    """Return between which step sizes and tolerances the points lie: “dmm2: τ from 0.001 to 0.2”."""
     ranges = []
     for name, said in (("tau", "τ"), ("tolerance", "tolerance")):
-        found = [curve.setting for curve in study.curves if curve.setting_name == name]
-        if found:
-            ranges.append(f"{said} from {np.min(np.concatenate(found)):.3g} to {np.max(np.concatenate(found)):.3g}")
-    return ", ".join(ranges)
+        having = [curve for curve in study.curves if curve.setting_name == name]
+        if having:
+            found = np.concatenate([curve.setting for curve in having])
+            whose = listed([curve.title for curve in having])
+            ranges.append(f"{whose}: {said} from {found.min():.3g} to {found.max():.3g}")
+    return "; ".join(ranges)
 
 
 def cost_words(cost: float, across: Across) -> str:
@@ -164,11 +166,11 @@ def _about_evaluations(study: core.WorkPrecision) -> str:
 def timed_how(study: core.WorkPrecision) -> str:
     """Return what a run time is, on which machine, and of which integrators the field is not compiled."""
     slow = [c.title for c in study.curves if c.peer and not EXTERNAL_SOLVERS[c.name].compiled]
-    times = f"the fastest of {study.repeats} repeats" if study.repeats > 1 else "one run"
+    times = f"the shortest of {study.repeats} runs" if study.repeats > 1 else "one run"
     call = (
         f"; {listed(slow)} calls a Python function for the field, where that of the others is compiled" if slow else ""
     )
-    return f"Run time is the processor time of one thread, {times}, on {processor()}{call}"
+    return f"Run time is the processor time of one thread without compilation, {times}, on {processor()}{call}"
 
 
 def _compiling(study: core.WorkPrecision) -> str:
@@ -183,7 +185,7 @@ def _missing(study: core.WorkPrecision) -> Iterator[str]:
         count = sum(curve.status.count(word) for curve in study.curves)
         if count:
             yield f"{plural(count, 'setting')} {word}."
-    wrong = f"another sequence of crossings than that of the solution, which has {study.met} (open symbols)"
+    wrong = f"a sequence of crossings other than the solution’s, which has {study.met} (open symbols)"
     told: dict[str, list[str]] = {}
     for curve in study.curves:
         places: dict[str, list[int]] = {}
@@ -215,12 +217,11 @@ def _where(curve: CostCurve, found: list[int]) -> str:
 
 def compared_with(study: core.WorkPrecision) -> str:
     """Return over which time the runs go, and what they are compared with."""
-    return f"run to t = {study.t_span[1]:.6g}, over {study.met}; reference: {study.reference}"
+    return f"to t = {study.t_span[1]:.6g}, over {study.met}; reference: {study.reference}"
 
 
 def _comparison(study: core.WorkPrecision, up: Up) -> str:
-    text = compared_with(study)
     return (
-        f"{text[0].upper()}{text[1:]}; errors below {study.floor[up]:.0e} may be the round-off of one "
+        f"Run {compared_with(study)}; errors below {study.floor[up]:.0e} may be the round-off of one "
         "state or those of the reference. Round-off adds up along a run: a curve may level off above that."
     )

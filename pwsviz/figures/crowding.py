@@ -36,7 +36,10 @@ SOME = " (some)"
 """What a legend adds to the name of marks of which some are left out."""
 
 NARROW_SHADES = "brief stays not shaded"
-"""What a legend says where shades are left out."""
+"""What a legend says where some shades are left out."""
+
+NO_SHADES = "stays on a side not shaded"
+"""What it says where all are."""
 
 FACTOR = "const factor = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16  // large in a lecture\n"
 """JavaScript of the size of what is painted, relative to the usual one."""
@@ -110,8 +113,13 @@ sources.forEach(({ data }, shade) => {
   const visible = indices.length > 0
   if (entries[shade].visible != visible) { entries[shade].setv({ visible }, { sync: false }) }
 })
+const value = kept.some(one => one.length > 0) ? SOME_LEFT : NONE_LEFT
+if (narrow.label.value != value) { narrow.setv({ label: { value } }, { sync: false }) }
 if (narrow.visible != left_out) { narrow.setv({ visible: left_out }, { sync: false }) }
-""".replace("WEIGHTS", str(WEIGHTS)).replace("NARROWEST", str(NARROWEST))
+""".replace("WEIGHTS", str(WEIGHTS))
+    .replace("NARROWEST", str(NARROWEST))
+    .replace("SOME_LEFT", repr(NARROW_SHADES))
+    .replace("NONE_LEFT", repr(NO_SHADES))
 )
 """JavaScript that chooses the shades to paint: those that are wide enough, on the mean with their neighbours."""
 

@@ -49,8 +49,8 @@ READOUT_STYLES: dict[str, str | None] = {
 OWN_LEVEL, ATTRACTS, REPELS = "ψ = ψ(trajectory)", "S attracts", "S repels"
 
 MEANINGS = {
-    OWN_LEVEL: f"“{OWN_LEVEL}”: the level sets of ψ through the beginning of {{trajectory}} and through the points at "
-    f"which it enters a region, of its first {PIECES_WITH_LEVELS} pieces between crossings",
+    OWN_LEVEL: f"“{OWN_LEVEL}”: the level sets of ψ on which the arcs of {{trajectory}} begin, of at most "
+    f"{PIECES_WITH_LEVELS} arcs",
     ATTRACTS: f"“{ATTRACTS}”: both fields point towards it",
     REPELS: f"“{REPELS}”: both fields point away from it",
 }

@@ -64,7 +64,10 @@ APART = 100.0
 """Ratio of two such limits from which on both have room for a name."""
 
 ROOM = 2.0
-"""Factor between the largest error and the point in which the lines of integer slopes meet."""
+"""Factor by which a line of integer slope lies above the largest error, and above all curves of about its slope."""
+
+ALIKE = 0.5
+"""Difference of slopes up to which a curve is one of those."""
 
 
 @dataclass(frozen=True)
@@ -218,6 +221,11 @@ def order_tables(shown: Sequence[Studied]) -> Mapping[str, Callable[[], Mapping[
     return {"errors": errors, "fits": fits}
 
 
+def guide_slopes(shown: Sequence[Studied]) -> list[int]:
+    """Return the slopes of the lines with which curves are compared: 1, 2, and the orders of the integrators."""
+    return sorted({1, 2} | {one.order for one in shown})
+
+
 def order_numbers(shown: Sequence[Studied]) -> list[Numbers]:
     """Return the fitted slopes of several integrators as a table; none of a single one, whose legend has them."""
     if len(shown) < 2:
@@ -307,7 +315,7 @@ class OrderView:
         }
         self._fit.visible = bool(known)
         floor = self._show_limits(shown)
-        self._show_guides(drawn, floor, {1, 2} | {one.order for one in shown} if known else set())
+        self._show_guides(drawn, floor, guide_slopes(shown) if known else [])
 
     def _show_limits(self, shown: Sequence[Studied]) -> float:
         """Draw the least and the greatest error above which a fit begins, and return the least."""
@@ -323,22 +331,22 @@ class OrderView:
         self.floor.move(least.fit_above, NOWHERE if same else greatest.fit_above)
         return least.fit_above
 
-    def _show_guides(self, drawn: list[_Drawn], floor: float, orders: set[int]) -> None:
-        """Draw lines of these slopes through one point above the curves, and end the axes where the data do."""
+    def _show_guides(self, drawn: list[_Drawn], floor: float, slopes: Sequence[int]) -> None:
+        """Draw lines of these slopes above the curves, and end the axes where the data do."""
         errors = np.concatenate([one.row.error[one.there] for one in drawn])
         top, bottom = ROOM * float(errors.max(initial=floor)), lowest(errors, floor)
         used = np.concatenate([one.taus[one.there] for one in drawn] if len(errors) else [one.taus for one in drawn])
         near, far = float(used.min()), float(used.max())
-        slopes = sorted(orders)
-        starts = np.array([max(near, far * (bottom / top) ** (1 / slope)) for slope in slopes])
-        heights = top * (starts / far) ** np.array(slopes)
-        ends = {"x": [far] * len(slopes), "y": [top] * len(slopes)}  # until the browser has found places
+        tops = np.array([max([top, *(ROOM * one.height(slope, far) for one in drawn)]) for slope in slopes])
+        starts = np.array([max(near, far * (bottom / end) ** (1 / s)) for end, s in zip(tops, slopes, strict=True)])
+        heights = tops * (starts / far) ** np.array(slopes)
+        ends = {"x": [far] * len(slopes), "y": tops}  # until the browser has found places
         self.guide_names.data = {**ends, "text": [f"slope {slope}" for slope in slopes]}
         self.guides.data = {
             "xs": [np.array([start, far]) for start in starts],
-            "ys": [np.array([height, top]) for height in heights],
+            "ys": [np.array(ends) for ends in zip(heights, tops, strict=True)],
         }
-        self.corners.data = {"x": [near, far], "y": [bottom, top]}
+        self.corners.data = {"x": [near, far], "y": [bottom, tops.max(initial=top)]}
 
 
 class _Drawn:
@@ -350,6 +358,13 @@ class _Drawn:
         self.line = line_of(one.method) if several else self.row.look
         self.label = one.method if several else self.row.label
         self.there = np.isfinite(self.row.error) & (self.row.error > 0)
+
+    def height(self, slope: int, tau: float) -> float:
+        """Return the error at τ on the lowest line above the fitted part, if that is about as steep, else 0."""
+        used = _within(self.taus, self.row.error, *self.row.window)
+        if not abs(self.row.slope - slope) < ALIKE:
+            return 0.0
+        return float((self.row.error[used] * (tau / self.taus[used]) ** slope).max(initial=0.0))
 
 
 def fitted_line(taus: Floats, row: Row) -> tuple[Floats, Floats] | None:

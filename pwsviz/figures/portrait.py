@@ -96,6 +96,8 @@ class PortraitView:
     on_move : callable
         Called with (index, x, y) when the user drags a start: some twenty times a second, and at the end. To refuse a
         move, call `show_starts`; otherwise the star stays where it was dropped.
+    on_drop : callable
+        Called after the last move.
     on_remove, on_select : callable
         Called with the index of the start to remove or to select.
     on_zoom : callable, optional
@@ -120,6 +122,7 @@ class PortraitView:
         on_move: Callable[[int, float, float], None],
         on_remove: Callable[[int], None],
         on_select: Callable[[int], None],
+        on_drop: Callable[[], None] = _ignore,
         on_zoom: Callable[[Window], None] = _ignore,
         on_fit: Callable[[], None] = _ignore,
         on_double_click: Callable[[], None] = _ignore,
@@ -131,9 +134,14 @@ class PortraitView:
         self._named: tuple[core.PiecewiseSystem, Axes] | None = None
         self._visible: Window | None = None
         self._heard = 0
+
+        def drop(index: int, x: float, y: float) -> None:
+            on_move(index, x, y)
+            on_drop()
+
         self._acts: dict[str, Callable[[int, float, float], None]] = {
             "drag": on_move,
-            "drop": on_move,
+            "drop": drop,
             "remove": lambda index, _x, _y: on_remove(index),
             "select": lambda index, _x, _y: on_select(index),
             "fit": lambda _index, _x, _y: on_double_click(),

@@ -25,7 +25,7 @@ def surface_words(inputs: SectionInputs) -> str:
     """Return where the points lie, as “S: g = 0, crossed in both directions”."""
     system = inputs.problem.declaration
     own = "S: g = 0" if system.two_sided else "all surfaces"
-    way = "reached from one side" if is_one_way(system, inputs.of) else _WAYS[inputs.direction]
+    way = "met from one side only" if is_one_way(system, inputs.of) else _WAYS[inputs.direction]
     if not inputs.of and inputs.scheme.slide and may_slide(system):
         way += ", or at which sliding begins"
     return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {way}"

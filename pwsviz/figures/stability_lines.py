@@ -56,7 +56,7 @@ class DriftFigure:
         lines = _lines(plot, self.curves)
         self.stops = ColumnDataSource({name: [] for name in ("x", "y", "colour", "method", "message")})
         stops = plot.scatter("x", "y", source=self.stops, marker="x", color="colour", size=11, line_width=2.5)
-        mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: BELOW_RANGE})
+        mark_levels(plot, {MACHINE_EPSILON: "eps = 2⁻⁵²", FLOOR: BELOW_RANGE})
         self.corners = fit_to_corners(plot, [1.0, 1e3], [FLOOR / 2, 1e-12])
         plot.add_tools(tips([("", "@method"), ("", "@message")], renderers=[stops]))
         self._stopping = legend_below(plot, [({"field": "method"}, lines), ("the run stops", stops)])[1]
@@ -111,7 +111,7 @@ class GrazingFigure:
         rings = plot.scatter(
             "x", "y", source=self.wrong, marker="circle", fill_alpha=0.0, line_color=VERMILION, line_width=2, size=17
         )
-        mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: f"\n{BELOW_RANGE}\nor unknown"})
+        mark_levels(plot, {MACHINE_EPSILON: "eps = 2⁻⁵²", FLOOR: f"\n{BELOW_RANGE}\nor unknown"})
         self.corners = fit_to_corners(plot, [1e-14, 0.1], [FLOOR / 2, 1e-12])
         rows = [
             ("", "@method, @side"),

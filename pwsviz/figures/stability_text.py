@@ -47,7 +47,7 @@ def stability_text(study: core.StabilityStudy, part: str) -> str:
         "map" (which includes the largest step sizes), "drift" or "grazing".
     """
     if part == "map" and (study.map is not None or study.largest_tau is not None):
-        return f"{_grid(study)}{_ends_early(study)}Reference for the crossings: {study.reference}."
+        return f"{_grid(study)}{_ends_early(study)}{_never_cross(study)}Reference for the crossings: {study.reference}."
     if part == "drift" and study.drift is not None:
         return _drift_words(study.drift)
     if part == "grazing" and study.grazing is not None:
@@ -56,13 +56,13 @@ def stability_text(study: core.StabilityStudy, part: str) -> str:
 
 
 def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
-    """Return the integrators and the time of the runs in one part of a study; `method` is that of the map."""
+    """Return integrators, time and starts of the runs in one part of a study; `method` is that of the map."""
     methods = listed(study.methods)
     if part == "map":
-        known = study.largest_tau.found if study.largest_tau is not None else ()
-        found = [name for name, there in zip(study.methods, known, strict=False) if there]
-        lines = f"; lines are drawn for {listed(found)}" if found else ""
-        return f"each point is a run of {method} to t = {study.t_span[1]:.6g}{lines}"
+        found = study.largest_tau is not None and bool(study.largest_tau.found.any())
+        start = printed(f"{variable_name(study.coordinate_name)} = {study.x0[study.coordinate]:.6g}")
+        lines = f", each line holds for {start}" * found
+        return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}{lines}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
         return f"integrated by {methods} with step size τ = {tau:.6g} to t = {steps * tau:,.6g}"
@@ -100,7 +100,16 @@ def _ends_early(study: core.StabilityStudy) -> str:
     return words
 
 
-def _how_many(ends: list[core.Status], expected: Sized) -> str:
+def _never_cross(study: core.StabilityStudy) -> str:
+    """Say from how many starts of the map the solution meets no surface; empty if from none."""
+    if study.map is None or not len(study.map.expected):
+        return ""
+    met = study.map.expected_met.any(axis=1) | (study.map.expected != core.Status.COMPLETED)
+    without = met[~met].tolist()
+    return f"{_how_many(without, met)} the solution has no crossings to t = {study.t_span[1]:.4g}. " if without else ""
+
+
+def _how_many(ends: Sized, expected: Sized) -> str:
     """Return “For 3 of the 25 initial states”, or “For all 25 initial states”."""
     return f"For {'all' if len(ends) == len(expected) else f'{len(ends)} of the'} {len(expected)} initial states"
 

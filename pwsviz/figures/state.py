@@ -274,8 +274,8 @@ def _told(name: str, runs: Sequence[StateCurves], k: int) -> str:
 
 
 def whose_marks(runs: Sequence[StateCurves]) -> str:
-    """Say whose sides and crossings are marked, where there are several runs."""
-    return f"Sides and crossings shown are those of {runs[0].method}." if len(runs) > 1 else ""
+    """Say whose marks and shades are shown, where there are several runs."""
+    return f"Marks and shades are those of {runs[0].method}." if len(runs) > 1 else ""
 
 
 def _how_many(crossings: int) -> str:

@@ -112,8 +112,8 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
         )
     else:
         words = (
-            f"Crossings {counted} are compared, up to t = {study.times[-1]:.4g}: t* is the time by the reference, t̂ "
-            "that by the run"
+            f"t* is the time of a crossing by the reference, t̂ that by the run, for crossing {counted} of runs to "
+            f"t = {study.times[-1]:.4g}"
         )
     return words + "; the beginning and the end of sliding count as crossings" * slides + "."
 
@@ -148,8 +148,8 @@ def _reach(shown: Sequence[Studied]) -> str:
     """Say up to which step size errors are fitted, unless all between the limits are."""
     ends = [(row.window[1], _greatest(one.taus, row)) for one in shown for row in one.rows if math.isfinite(row.slope)]
     cut = [reached < greatest for reached, greatest in ends]
-    where = "" if all(cut) else ", where it does"
-    return f", from the least step size up to the one at which the local slope changes{where}" * any(cut)
+    where = "" if all(cut) else ", if it does"
+    return f", up to the step size at which the local slope changes{where}" * any(cut)
 
 
 def _greatest(taus: Floats, row: Row) -> float:
@@ -168,17 +168,17 @@ def _bounds(shown: Sequence[Studied]) -> tuple[str, str]:
     """Return between which errors a fit is made, and what these limits are; the lower may differ between curves."""
     rows = [row for one in shown for row in one.rows]
     found, below = limits(shown), rounded(min(row.fit_below for row in rows))
-    limits_are = (
-        f"The lower limit is {FIT_ABOVE:g} times the larger of accumulated round-off and the error of the reference"
-    )
-    if not any(map(_of_time, rows)):
-        limits_are += f"; the upper is {FIT_BELOW:g} times the largest |xₖ| of the reference at these times"
+    size = f"{FIT_BELOW:g} times the largest |xₖ| of the reference"
+    upper = f"the larger of {size} and {FIT_BELOW:g}" if any(map(_of_time, rows)) else f"{size} at these times"
+    lower = f"{FIT_ABOVE:g} times the larger of accumulated round-off and the error of the reference"
     if found is None:
-        return f"below {below}", limits_are
+        return f"below {below}", f"The limit is {upper}"
     if found[0].fit_above == found[1].fit_above:
+        limits_are = f"The lower limit is {lower}; the upper is {upper}"
         return f"between {rounded(found[0].fit_above)} and {below}", limits_are
     least, greatest = (f"{rounded(row.fit_above)} {_where(row)}" for row in found)
-    return f"above a limit from {least} to {greatest}, and below {below}", limits_are
+    limits_are = f"The lower limit, from {least} to {greatest}, is {lower}; the upper is {upper}"
+    return f"between a lower limit and {below}", limits_are
 
 
 def _where(row: Row) -> str:

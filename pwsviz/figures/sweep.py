@@ -64,7 +64,7 @@ class SweepView:
             tips([("", "@words"), ("", "@values")], renderers=[strips]),
             CrosshairTool(dimensions="height", line_color=RULE, line_alpha=1.0, visible=False),
         )
-        self._present, self._early = legend_below(plot, [("current value", line), ({"field": "words"}, strips)])
+        self._present, self._early = legend_below(plot, [("chosen value", line), ({"field": "words"}, strips)])
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def show(self, found: Diagram) -> None:
@@ -83,7 +83,7 @@ class SweepView:
         assign(self.present, x=[present])
         low, high = self.ends.data["x"]
         self._present.visible = bool(low <= present <= high)
-        self._present.label = value(printed(f"current value, {name} = {present:.6g}"))
+        self._present.label = value(printed(f"chosen value, {name} = {present:.6g}"))
 
 
 def _strips(found: Diagram) -> dict[str, Any]:

@@ -119,7 +119,7 @@ def _at_present(found: Diagram, present: float) -> str:
     height = max(high for _, high in spread) - min(low for low, _ in spread) or 1.0
     points = found.points_at(float(nearest))
     inputs = found.inputs
-    at = f"At {parameter_name(inputs)} = {nearest:.6g}, next to the current value,"
+    at = f"At {parameter_name(inputs)} = {nearest:.6g}, nearest to the chosen value,"
     if len(points) < 2:
         return ""
     turn = TURN if inputs.column in angles(inputs.problem.declaration) else math.inf
@@ -155,13 +155,13 @@ def _where(inputs: SweepInputs) -> str:
 
 
 def surface_words(inputs: SweepInputs) -> str:
-    """Return the surface of the section, as “S (where g falls)”."""
+    """Return the surface of the section, as “S at which g decreases”."""
     declared = inputs.problem.declaration
     if not inputs.of:
-        name, g = ("S", "g") if declared.two_sided else ("all surfaces gₖ = 0", "gₖ")
+        name, g = ("S", "g") if declared.two_sided else ("the surfaces gₖ = 0", "gₖ")
     else:
         name, g = f"the surface {readable(inputs.of, declared)} = 0", "the function"
-    return name + {0: "", 1: f", where {g} rises", -1: f", where {g} falls"}[inputs.direction]
+    return name + {0: "", 1: f" at which {g} increases", -1: f" at which {g} decreases"}[inputs.direction]
 
 
 def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:

@@ -84,15 +84,14 @@ class Explorer(pn.viewable.Viewer):
         self.notice = text_pane("")
         if scene is None and pn.state.location is not None:
             self.adopt(pn.state.location.search)  # before anything is computed
-        self.scheduler = Scheduler()
+        self.scheduler, self.history = Scheduler(), History(self.scene)
         self.announcer = Announcer(sizing_mode="fixed", width=0, height=0, margin=0)
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
         self.portrait_panel = PortraitPanel(
             self.scene, self.results, self.scheduler, self._await_system, self._refresh_export,
-            self.announcer.tell_of_portrait,
+            self.announcer.tell_of_portrait, self.history.hold,
         )  # fmt: skip
         link_portrait(self.portrait_panel.portrait)
-        self.history = History(self.scene)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
         self._controls, self._views = (pn.Column(margin=0, sizing_mode="stretch_width") for _ in range(2))
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)

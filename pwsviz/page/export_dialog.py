@@ -71,7 +71,7 @@ class Piece(NamedTuple):
     slid: bool = True
     """Whether one of the runs slides."""
     free: str = ""
-    """The parameter that has many values in it, if one has."""
+    """The parameter, or the variable at the start, that has many values in it, if one has."""
     meaning: str = ""
     """What its axes and lines mean, where their names do not say it."""
     endings: str = ""
@@ -84,7 +84,8 @@ class Piece(NamedTuple):
     @property
     def origin(self) -> dict[str, Any]:
         """What `about` and `caption` are told of it."""
-        return {"how": self.how, "every_start": self.every_start, "slid": self.slid, "endings": self.endings}
+        names = ("how", "every_start", "slid", "endings", "free")
+        return {name: getattr(self, name) for name in names}
 
 
 class ExportDialog(pn.viewable.Viewer):
@@ -193,7 +194,7 @@ class ExportDialog(pn.viewable.Viewer):
     def _picture(self, piece: Piece, kind: str) -> Any:
         """Return a button that saves figures as a picture, without the server."""
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
-        captions = {"short": short_caption(self.scene, piece.heading or piece.title, free=piece.free, **piece.origin)}
+        captions = {"short": short_caption(self.scene, piece.heading or piece.title, **piece.origin)}
         captions["full"] = _caption(self.scene, piece)
         named = {"name": file_name(self.scene, piece.title, kind), "title": piece.title, "captions": captions}
         wish = {"kind": kind, **named, "shades": PRINTED_OPACITY}
@@ -245,7 +246,7 @@ def _complaint() -> pmui.Typography:
 
 
 def _caption(scene: Scene, piece: Piece) -> str:
-    words = caption(scene, piece.heading or piece.title, free=piece.free, **piece.origin)
+    words = caption(scene, piece.heading or piece.title, **piece.origin)
     return f"{words} {piece.meaning}".strip()
 
 

@@ -69,6 +69,8 @@ class PortraitPanel(pn.viewable.Viewer):
         Called when other trajectories have been drawn.
     on_end : callable
         Called with words about the runs when these have ended, or could not be computed.
+    on_hold : callable
+        Called with whether a start is being dragged.
     """
 
     def __init__(
@@ -79,14 +81,16 @@ class PortraitPanel(pn.viewable.Viewer):
         on_wait: Callable[[str], None],
         on_show: Callable[[], None],
         on_end: Callable[[str], None],
+        on_hold: Callable[[bool], None],
     ) -> None:
         super().__init__()
         self.scene, self.results, self.scheduler = scene, results, scheduler
-        self._on_wait, self._on_show, self._on_end = on_wait, on_show, on_end
+        self._on_wait, self._on_show, self._on_end, self._on_hold = on_wait, on_show, on_end, on_hold
         self.portrait = PortraitView(
             on_window=self._look_at,
             on_place=self.place,
-            on_move=self.move,
+            on_move=self._drag,
+            on_drop=lambda: on_hold(False),
             on_remove=self.remove,
             on_select=self._select,
             on_zoom=self._keep_window,
@@ -371,6 +375,10 @@ class PortraitPanel(pn.viewable.Viewer):
         """Move the start of a trajectory to a point of the plane."""
         if index < len(self.scene.starts):
             self._try(lambda: self.scene.move(index, self._state(x, y, self.scene.starts[index])))
+
+    def _drag(self, index: int, x: float, y: float) -> None:
+        self._on_hold(True)
+        self.move(index, x, y)
 
     def remove(self, index: int) -> None:
         """Remove a trajectory."""

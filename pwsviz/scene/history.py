@@ -19,6 +19,8 @@ ONE_GESTURE = 0.8
 AT_ONCE = 0.05
 """Seconds; a change that follows sooner is a consequence of the last, such as the start that a new system brings."""
 
+_NONE: tuple[frozenset[str], float] = (frozenset(), -ONE_GESTURE)  #: no gesture that could go on
+
 NOT_UNDONE = ("name", "view")
 """Settings that undo leaves alone: opening another view changes no result."""
 
@@ -36,20 +38,27 @@ class History(param.Parameterized):
         self._future: list[dict[str, Any]] = []
         self._dropped = self._future  # by the last gesture
         self._now = scene.settings()
-        self._gesture: tuple[frozenset[str], float] = (frozenset(), -ONE_GESTURE)
+        self._gesture: tuple[frozenset[str], float] = _NONE
+        self._held = False
         scene.param.watch(self._remember, [name for name in scene.param if name not in NOT_UNDONE])
 
     def _remember(self, *events: Any) -> None:
         names, at = frozenset(event.name for event in events), self._clock()
         same, when = self._gesture
         follows = at - when < AT_ONCE and bool(self._past)
-        if not follows and (names != same or at - when > ONE_GESTURE):
+        continues = bool(same) if self._held else names == same and at - when <= ONE_GESTURE
+        if not follows and not continues:
             self._past = [*self._past, self._now][-MAX_STEPS_BACK:]
             self._dropped, self._future = self._future, []
         self._gesture, self._now = (same if follows else names, at), self.scene.settings()
         if _without_view(self._now) == _without_view(self._past[-1]):  # the gesture has taken itself back
-            self._past, self._future, self._gesture = self._past[:-1], self._dropped, (frozenset(), -ONE_GESTURE)
+            self._past, self._future, self._gesture = self._past[:-1], self._dropped, _NONE
         self.param.update(can_undo=bool(self._past), can_redo=bool(self._future))
+
+    def hold(self, held: bool) -> None:
+        """Begin or end a gesture whose changes are undone together, however late they come: a machine may be busy."""
+        if held != self._held:
+            self._held, self._gesture = held, _NONE
 
     def undo(self) -> None:
         """Undo the last gesture, if there is one."""
@@ -66,7 +75,7 @@ class History(param.Parameterized):
     def _go(self, settings: dict[str, Any], past: list[dict[str, Any]], future: list[dict[str, Any]]) -> None:
         self.scene.restore(_without_view(settings))
         self._past, self._future = past, future
-        self._now, self._gesture = self.scene.settings(), (frozenset(), -ONE_GESTURE)
+        self._now, self._gesture = self.scene.settings(), _NONE
         self.param.update(can_undo=bool(past), can_redo=bool(future))
 
 

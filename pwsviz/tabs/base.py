@@ -119,7 +119,7 @@ class Tab(pn.viewable.Viewer):
         return ""
 
     def free(self) -> str:
-        """Return the parameter that has many values in the figures; empty if none has."""
+        """Return the parameter, or the variable at the start, that has many values in the figures; empty if none."""
         return ""
 
     def meaning(self, outcome: Outcome) -> str:

@@ -18,6 +18,7 @@ from pwsviz.geometry.projection import conserved_note
 from pwsviz.results.animation import Landmarks
 from pwsviz.results.error_curve import ErrorCurve
 from pwsviz.results.requests import ErrorInputs, run_inputs
+from pwsviz.scene.names import met_at_surfaces
 from pwsviz.tabs.base import Tab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.widgets.panes import leave_out
@@ -90,13 +91,14 @@ class ConservedTab(Tab):
 
     def heading(self, outcome: ErrorPicture) -> str:
         """Return whether the figure shows the error of ψ, or that of g while sliding."""
-        known = outcome.system.laws.most_conserved > 0
-        return "Error of the conserved quantity" if known else "Change of g along the sliding motion"
+        known = outcome.system.laws.most_conserved
+        quantities = "quantities" if known > 1 else "quantity"
+        return f"Error of the conserved {quantities}" if known else "Change of g along the sliding motion"
 
     def meaning(self, outcome: ErrorPicture) -> str:
         """Return what the axis and the lines show, for captions."""
         note = conserved_note(outcome.system) * (outcome.system.laws.most_conserved > 0)
-        return f"{meaning(outcome.curves)} {note}".strip()
+        return f"{meaning(outcome.curves, met_at_surfaces(outcome.system))} {note}".strip()
 
     def tables(self) -> Tables:
         """Return the drift of every integrator at its own steps, and its crossings."""

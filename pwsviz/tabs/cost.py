@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import panel as pn
 
 import core
@@ -78,7 +79,7 @@ class CostTab(LongTab):
         scene = self.scene
         slides = scene.slides and outcome.met.slides > 0
         crossings = at_surface(met_at_surfaces(scene.declaration), scene.locate, slides)
-        by = f"integrated by {listed([curve.title for curve in outcome.curves])}; {compared_with(outcome)}"
+        by = f"integrated by {listed([curve.title for curve in outcome.curves])} {compared_with(outcome)}"
         peers = [curve.title for curve in outcome.curves if curve.peer]
         verbs = ("locates", "restarts") if len(peers) == 1 else ("locate", "restart")
         crossings += f"; {listed(peers)} {verbs[0]} them as events and {verbs[1]} there" * bool(peers)
@@ -90,8 +91,11 @@ class CostTab(LongTab):
         return "Work–precision diagram"
 
     def meaning(self, outcome: core.WorkPrecision) -> str:
-        """Return what the errors are, for captions."""
-        return MEANING[self.scene.cost_up]
+        """Return what the errors, the line and open symbols are, for captions."""
+        wrong = any((~curve.correct_sequence & np.isfinite(curve.seconds)).any() for curve in outcome.curves)
+        hollow = " Open symbols: the run has another sequence of crossings than the reference." * wrong
+        level = " Below the line “round-off”, errors may be the round-off of one state or those of the reference."
+        return f"{MEANING[self.scene.cost_up]}{level}{hollow}"
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""

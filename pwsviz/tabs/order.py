@@ -18,6 +18,7 @@ from pwsviz.figures.order import (
     TIME_ERROR,
     OrderView,
     Rows,
+    guide_slopes,
     order_numbers,
     order_tables,
     state_rows,
@@ -127,6 +128,12 @@ class OrderTab(LongTab):
     def heading(self, outcome: Studies) -> str:
         """Return which error converges."""
         return "Convergence of the state" if self._rows is state_rows else "Convergence of crossing times"
+
+    def meaning(self, outcome: Studies) -> str:
+        """Return what slopes the lines beside the curves have, if there are any."""
+        shown = studied(outcome, self._rows)
+        fitted = any(np.isfinite(row.slope) for one in shown for row in one.rows)
+        return f"Oblique dotted lines have slopes {listed([str(slope) for slope in guide_slopes(shown)])}." * fitted
 
     def how(self, outcome: Studies) -> str:
         """Return the integrators, what they do at crossings, and what they are compared with."""

@@ -125,6 +125,11 @@ class StabilityTab(LongTab):
         """Return what the part shown is about."""
         return HEADINGS[self.scene.stability_part]
 
+    def free(self) -> str:
+        """Return the coordinate that is another one in each run of a map, or beside a tangency."""
+        scene = self.scene
+        return "" if scene.stability_part == "drift" else scene.declaration.variables[scene.stability_coordinate]
+
     def meaning(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are successful, for captions of the map, whose lines are named so."""
         return SUCCESSFUL if self.scene.stability_part == "map" else ""

@@ -28,8 +28,8 @@ def at_surface(met: str, locate: bool, slide: bool, order: int | None = None, sc
 
     Where nothing but jumps is met, the law is the same on both sides of them: no transition scheme is needed.
     """
-    located = "located on the steps of the integrator itself" if met == "jumps" else "located by the transition scheme"
-    words = f"{met} {located if locate else 'not located'}"
+    how = "solving g = 0 for the length of a step" if met == "jumps" else "the transition scheme"
+    words = f"{met} {f'located by {how}' if locate else 'not located'}"
     if locate and order is not None:
         words += f", their times perturbed by {perturbation(order, scale)}"
     return words + "; on attracting parts of the surface, Filippov’s sliding solution is followed" * slide

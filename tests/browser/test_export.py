@@ -296,7 +296,7 @@ def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visi
                 assert left <= a <= b <= right, (points, text["words"])
                 assert top <= c <= d <= bottom, (points, text["words"])
             words = " ".join(text["words"] for text in texts)
-            assert ("Dotted: (a) round-off; (b) machine ε; (c) below plot range, or 0." in words) == (k == 1), (
+            assert ("Dotted: (a) round-off; (b) eps = 2⁻⁵²; (c) below plot range, or 0." in words) == (k == 1), (
                 "names of levels are below a narrow plot, which they would halve"
             )
             assert [text["words"] for text in texts if text["words"] in "abc"] == ["a", "b", "c"] * (k == 1)

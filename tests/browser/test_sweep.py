@@ -26,7 +26,9 @@ def whole(page, pattern):
 @pytest.mark.parametrize("look", [{}, {"color_scheme": "dark", "width": 420, "height": 800}], ids=["light", "phone"])
 def test_a_click_sets_the_parameter_and_the_portrait_follows(visit, look):
     page = visit(query=CHUA, **look)
-    seen = whole(page, r"12,000 points: y on all surfaces gₖ = 0, where gₖ rises, for 120 values of α from 8 to 9\.2")
+    seen = whole(
+        page, r"12,000 points: y on the surfaces gₖ = 0 at which gₖ increases for 120 values of α from 8 to 9\.2"
+    )
     assert "12,000 points" in seen["words"], "told to screen readers"
     drawing = canvas(page, "Bifurcation")
     drawing.scroll_into_view_if_needed()

@@ -69,7 +69,7 @@ def test_no_two_quantities_of_a_region_have_the_same_name(system):
 
 
 def test_a_caption_says_jumps_where_nothing_but_jumps_occurs():
-    steps, scheme = "on the steps of the integrator itself", "by the transition scheme"
+    steps, scheme = "by solving g = 0 for the length of a step", "by the transition scheme"
     cases = (("three_bodies", "jumps", steps), ("two_walls", "jumps", steps), ("thermostat", "crossings", scheme))
     for name, met, how in cases:
         scene = scene_of(core.CATALOGUE[name])
@@ -143,9 +143,11 @@ def test_a_variable_has_one_name_in_all_of_a_caption():
 def test_a_caption_tells_integrators_as_they_are_declared_and_whose_the_tolerance_is():
     told = caption(Scene(methods=["taylor"]), "State")
     assert "by taylor with tolerance 10⁻¹² to t = 20;" in told
-    assert "taylor: Taylor series, whose order and step size follow from a tolerance" in told
+    chosen = "taylor: Taylor series, order and step size chosen from a tolerance"
+    assert f"{chosen}, projected onto the level set of ψ." in told
+    assert caption(scene_of(core.CATALOGUE["chua"]), "State", how="runs of taylor").endswith(f"{chosen}."), "no ψ"
     told = caption(Scene(methods=["dmm4", "taylor"]), "State")
-    assert "with step size τ = 0.01 and for taylor tolerance 10⁻¹² to t" in told
+    assert "by dmm4 with step size τ = 0.01 and by taylor with tolerance 10⁻¹² to t" in told
     assert "dmm2: Discrete Multiplier Method, order 2; dmm4: composition of five steps of dmm2" in told
     assert "reference. dmm2: Disc" in caption(Scene(), "Order", how="runs of dmm2; reference")
 
@@ -159,7 +161,6 @@ def test_a_caption_has_numbers_as_fields_show_them_and_files_have_all_digits():
     scene = Scene(starts=((2**0.5, 0.25), (0.5, 0.5)))
     told = caption(scene, "State")
     assert "initial states 1 and 2: (x, y) ≈ (1.4142, 0.25); (0.5, 0.5)." in told.lower()
-    assert told.endswith("Exact values are in the CSV and NPZ files.")
     assert about(scene)["starts"] == "initial states 1 and 2: (x, y) = (1.4142135623730951, 0.25); (0.5, 0.5)"
 
 

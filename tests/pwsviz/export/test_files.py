@@ -42,7 +42,7 @@ def test_npz_holds_the_columns_and_where_they_come_from(numbers, words):
     assert file["crossings.kind"].tolist() == words.tolist()
     about = json.loads(str(file["about"]))
     assert about["link"] == "?v=1&system=kepler"
-    assert "kind of the crossing" in about["columns"]
+    assert "kind: what happens" in about["columns"]
 
 
 def test_counts_are_written_as_whole_numbers():

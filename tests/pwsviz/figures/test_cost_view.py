@@ -145,8 +145,8 @@ def test_the_setting_is_told_on_a_point():
 
 
 def test_a_caption_tells_between_which_settings_the_points_lie():
-    assert settings_text(BOTH) == "τ from 0.01 to 0.1, tolerance from 0.01 to 0.1"
-    assert settings_text(study(DMM2)) == "τ from 0.01 to 0.1"
+    assert settings_text(BOTH) == "dmm2: τ from 0.01 to 0.1; SciPy DOP853: tolerance from 0.01 to 0.1"
+    assert settings_text(study(DMM2)) == "dmm2: τ from 0.01 to 0.1"
 
 
 def test_a_study_with_nothing_in_it_yet_can_be_drawn():
@@ -190,7 +190,9 @@ def test_times_that_differ_by_no_more_than_noise_are_a_tie_and_counts_are_not():
 
 
 def test_words_say_what_a_run_time_is_where_it_was_measured_and_whose_field_is_not_compiled():
-    measured = f"Run time is the processor time of one thread, the fastest of 3 repeats, on {processor()}"
+    measured = (
+        f"Run time is the processor time of one thread without compilation, the shortest of 3 runs, on {processor()}"
+    )
     slow = "; SciPy DOP853 calls a Python function for the field, where that of the others is compiled."
     assert f"{measured}{slow}" in cost_text(BOTH, "seconds", "state")
     assert f"{measured}. " in cost_text(study(DMM2, curve("heyoka", [1e-3], [1e-3])), "seconds", "state")
@@ -227,7 +229,7 @@ def test_words_say_what_is_missing_and_why():
     words = cost_text(study(late, gone, off, rest), "seconds", "state")
     assert "rk4, τ = 0.0316 and 1 other setting: takes too long." in words
     assert "heyoka: heyoka is not installed." in words
-    assert "rk2: another sequence of crossings than that of the solution, which has 8 crossings (open sy" in words
+    assert "rk2: a sequence of crossings other than the solution’s, which has 8 crossings (open sy" in words
     assert "1 setting not measured yet." in words
     assert "1 setting cancelled." in words
 

@@ -169,7 +169,7 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
         (later, f"fits to errors between {rounded(later.fit_above)} and {rounded(exact.fit_below)}{meaning}"),
         (
             replace(later, window=(later.window[0], float(taus[2]))),
-            f", from the least step size up to the one at which the local slope changes{meaning}",
+            f", up to the step size at which the local slope changes{meaning}",
         ),
     ):
         view, (shown,) = OrderView("error"), studied([exact], lambda _, row=row: [row])
@@ -191,8 +191,9 @@ def test_where_round_off_grows_the_least_and_the_greatest_limit_of_a_fit_are_tol
         assert view.floor.ticker.ticks == [min(above), max(above)]
         assert view.floor.names.args["names"] == marked
         greatest = names[int(np.argmax(above))]
-        words = f"errors above a limit from {rounded(min(above))} before to {rounded(max(above))} {greatest}, and below"
-        assert words in study_text([shown], early=False)
+        told = study_text([shown], early=False)
+        assert "fits to errors between a lower limit and " in told
+        assert f"The lower limit, from {rounded(min(above))} before to {rounded(max(above))} {greatest}, is 50" in told
 
 
 def test_why_a_curve_has_no_slope_is_said_of_each_reason():

@@ -127,7 +127,7 @@ def test_every_start_has_a_colour_of_its_own():
 
 def test_words_tell_which_starts_have_fewer_points_and_why():
     whole = points(portion(0, [1.0, 2.0, 3.0]), portion(1, [1.0, 2.0, 3.0]), section_direction=1)
-    assert section_text(whole) == "6 points of 2 starts on S: g = 0, reached from one side, just after the reset map."
+    assert section_text(whole) == "6 points of 2 starts on S: g = 0, met from one side only, just after the reset map."
     early = points(portion(0, [1.0, 2.0, 3.0]), portion(1, [2.0]), statuses=(Status.CROSSING_LIMIT, Status.ZENO))
     assert (
         "One start has all 3. Start 2 has ended with 1 point by t = 8.25: crossings or jumps come ever closer and "

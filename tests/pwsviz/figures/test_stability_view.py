@@ -410,9 +410,10 @@ def test_captions_name_the_runs_of_a_part_and_when_these_end(study):
     assert runs_drawn(study, "drift", "rk2") == (
         f"integrated by dmm2 and rk2 with step size τ = {study.drift.tau:.6g} to t = {20_000 * study.drift.tau:,.6g}"
     )
-    assert runs_drawn(study, "map", "rk2").startswith("each point is a run of rk2 to t = ")
-    assert runs_drawn(study, "map", "rk2").endswith("; lines are drawn for dmm2 and rk2")
-    limits = replace(study.largest_tau, beyond=np.array([np.nan, 1.0]))
-    one = runs_drawn(replace(study, largest_tau=limits), "map", "rk2")
-    assert one.endswith("; lines are drawn for rk2"), "all step sizes of dmm2 work: there is no limit to draw"
+    assert runs_drawn(study, "map", "rk2").startswith("each cell is a run of rk2 to t = ")
+    start = f"{study.coordinate_name} = {study.x0[study.coordinate]:.6g}".replace("-", "−")
+    assert runs_drawn(study, "map", "rk2").endswith(f", each line holds for {start}")
+    limits = replace(study.largest_tau, beyond=np.array([np.nan, np.nan]))
+    none = runs_drawn(replace(study, largest_tau=limits), "map", "rk2")
+    assert "line" not in none, "all step sizes work: there is no limit to draw"
     assert runs_drawn(study, "grazing", "rk2") == "integrated by dmm2 and rk2"

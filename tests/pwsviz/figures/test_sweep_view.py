@@ -46,7 +46,7 @@ def test_the_figure_shows_points_and_the_whole_range_of_values():
     low, high = view.ends.data["x"]
     assert low < -3.0 < 3.0 < high
     assert view.present.data["x"] == [-2.5]
-    assert view._present.label.value == "current value, a₋ = −2.5"
+    assert view._present.label.value == "chosen value, a₋ = −2.5"
 
 
 def test_strips_mark_the_values_whose_runs_end_early_and_are_never_empty():
@@ -81,7 +81,8 @@ def test_words_and_table_say_how_many_values_end_how_and_where():
     assert words.startswith(
         "10 points: x on S for 6 values of a₋ from -3 to 3. The 4 points requested were found for 2"
     )
-    assert "At a₋ = -3, next to the current value, the points repeat after 2, of crossings in both directions." in words
+    repeat = "the points repeat after 2, of crossings in both directions."
+    assert f"At a₋ = -3, nearest to the chosen value, {repeat}" in words
     rows = {row[0]: row[1:] for row in sweep_numbers(MIXED).rows}
     assert rows == {
         OUTCOMES[Status.ESCAPED].words: ("2", "0 to 1"),
@@ -90,7 +91,7 @@ def test_words_and_table_say_how_many_values_end_how_and_where():
     }
     assert sweep_numbers(diagram([LIMIT] * 7)).rows == ()
     assert "The 4 points requested were found for every value." in sweep_text(diagram([LIMIT] * 7), 9.0)
-    assert "next to the current value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
+    assert "nearest to the chosen value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
     assert "were found for none of them." in sweep_text(diagram([DONE] * 7), 0.0)
 
 
@@ -126,7 +127,7 @@ def test_how_names_all_that_repeats_the_diagram():
     inputs = SweepInputs.of_scene(
         Scene(sweep_of="x - 1", sweep_direction=-1, sweep_continuation="up", methods=["taylor"], study_method="taylor")
     )
-    assert surface_words(inputs) == "the surface x − 1 = 0, where the function falls"
+    assert surface_words(inputs) == "the surface x − 1 = 0 at which the function decreases"
     how = sweep_how(inputs)
     for words in (
         "y at crossings", "400 values of a₋ from −8 to 4", "after the first 100 are discarded", "t = 2000",
@@ -137,14 +138,14 @@ def test_how_names_all_that_repeats_the_diagram():
     assert "at crossings of S, and where sliding begins on it, for" in told
     assert ": at most 100 points of each" in told
     chua = {"system": "chua", "methods": ["taylor"]}
-    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "all surfaces gₖ = 0, where gₖ rises"
-    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "all surfaces gₖ = 0"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "the surfaces gₖ = 0 at which gₖ increases"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "the surfaces gₖ = 0"
 
 
 def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it():
     one = diagram([LIMIT, *[TO_COME] * 6])
-    assert "next to the current value" in sweep_text(one, -2.1)
-    assert "next to the current value" not in sweep_text(one, -1.9)
+    assert "nearest to the chosen value" in sweep_text(one, -2.1)
+    assert "nearest to the chosen value" not in sweep_text(one, -1.9)
 
 
 def test_a_diagram_without_points_says_that_all_crossings_were_left_out():

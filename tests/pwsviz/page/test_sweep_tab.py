@@ -47,7 +47,7 @@ def test_a_caption_gives_no_one_value_to_the_parameter_that_is_swept(page):
     page.scene.values = {**page.scene.values, "belt": 0.25}
     page.settle(60)
     _, piece = page._pieces()
-    told = caption(page.scene, piece.title, free=piece.free, **piece.origin)
+    told = caption(page.scene, piece.title, **piece.origin)
     assert "; w = " not in told
     assert "the dashed line is w = 0.25" in told
 

@@ -42,6 +42,23 @@ def test_every_gesture_is_undone_by_itself(history, clock):
     assert scene.settings() == states[0]
 
 
+def test_all_that_is_dragged_at_once_is_undone_at_once_however_late_the_places_come(history, clock):
+    scene, states = history.scene, []
+    for _ in range(2):  # one drag right after another
+        states.append(scene.settings())
+        history.hold(True)
+        for x in (0.1, 0.2, 0.3):
+            scene.move(0, (x, scene.x0[1] + 0.5))
+            history.hold(True)
+            clock.now += 3
+        history.hold(False)
+        clock.now -= 8.9
+    for state in reversed(states):
+        history.undo()
+        assert scene.settings() == state
+    assert not history.can_undo
+
+
 def test_what_was_undone_is_done_again_until_something_else_is_done(history, clock):
     scene, states = history.scene, [history.scene.settings()]
     for change in (("tau", 0.02), ("system", "kepler"), ("methods", ["rk4"])):
