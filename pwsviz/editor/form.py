@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from html import escape
 from typing import Any
 
 import panel as pn
@@ -17,7 +18,7 @@ from pwsviz.editor.regions import REGION_FIELDS
 from pwsviz.editor.validation import MAX_NAME, Checked, Finding, check
 from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
-from pwsviz.text.words import as_text, complaint
+from pwsviz.text.words import as_text, complaint, listed
 from pwsviz.widgets.disclosure import Disclosure
 from pwsviz.widgets.panes import TEXT_CSS, heading
 
@@ -76,7 +77,7 @@ _HINTS = {
 _HELP = {
     "variables": "Time is t.",
     "parameters": "One per line. The range of the slider is optional.",
-    "f": "Alternatively, a single field in place of g, f₋, f₊, such as v; -x - k*max(x - 1, 0): surfaces are found.",
+    "f": "Alternatively, a single field in place of g, f₋, f₊. For x, v: v; -x - k*max(x - 1, 0). Surfaces are found.",
     "psi": "Of the field f. Optional. One per line.",
     "f_minus": "The time derivative of each variable, one per line.",
     "f_plus": "The time derivative of each variable, one per line.",
@@ -328,11 +329,22 @@ def _finding(finding: Finding) -> str:
 
 def _verdict(outcome: Checked) -> str:
     if outcome.system is not None:
-        return '<p role="status">This system is ready.</p>'
+        unused = listed([f"“{name}”" for name in _unused(outcome.system)])
+        note = f" No law contains {unused}." * bool(unused)
+        return f'<p role="status">This system is ready.{escape(note)}</p>'
     if "system" in outcome.complaints:
         return as_text(outcome.complaints["system"], "error")
     titles = "; ".join(FIELDS[name] for name in FIELDS if name in outcome.complaints)
     return as_text(f"The definition is not valid yet. Please check: {titles}.", "error")
+
+
+def _unused(system: core.PiecewiseSystem) -> list[str]:
+    """Return the names of the parameters on which nothing depends."""
+    laws = system.laws
+    said = [*laws.surfaces, *(part for mode in laws.regions for part in (*mode.field, *mode.conserved))]
+    said += [part for ways in laws.ways for way in ways for part in way.jump or ()]
+    used = {symbol.name for one in said for symbol in one.free_symbols}
+    return [parameter.name for parameter in system.parameters if parameter.name not in used]
 
 
 def _without_icons(words: str) -> str:

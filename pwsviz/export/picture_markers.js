@@ -43,16 +43,19 @@ const along = path => {
   return { length: ends.at(-1), place }
 }
 
-// Places on the curves, spread over each and apart from all others: [curve, place].
+// Places on the curves, spread over each and apart from all others: [curve, place]. Each curve has its first one before any has
+// its second one, lest none be left for it where many curves coincide.
 const spread_over = (curves, frame) => {
   const found = []
   const free = ([x, y]) => 0 < x && x < frame.width && 0 < y && y < frame.height &&
     found.every(([_, [a, b]]) => Math.hypot(x - a, y - b) >= APART)
-  for (const [k, curve] of curves.entries()) {
-    const { length, place } = along(curve.path), alike = curves.filter(({ marker, path }) => marker == curve.marker && path.length > 1)
-    const count = Math.round(COUNT / Math.sqrt(alike.length)) || 1
-    for (let n = 0; n < count && curve.path.length > 1; n++) {
-      const first = (n + (k + 0.5) / curves.length) / count * length
+  const drawn = curves.filter(({ path }) => path.length > 1).map(curve => ({ curve, ...along(curve.path) }))
+  const count_of = ({ marker }) => Math.round(COUNT / Math.sqrt(drawn.filter(({ curve }) => curve.marker == marker).length)) || 1
+  for (let n = 0; n < COUNT; n++) {
+    for (const [k, { curve, length, place }] of drawn.entries()) {
+      const count = count_of(curve)
+      if (n >= count) continue
+      const first = (n + (k + 0.5) / drawn.length) / count * length
       for (let tried = 0; tried < TRIES; tried++) {
         const at = place(first + tried * APART / 3)
         if (first + tried * APART / 3 > length) break

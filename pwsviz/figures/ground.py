@@ -32,7 +32,7 @@ from pwsviz.results.orbits import PIECES_WITH_LEVELS
 __all__ = ["Ground"]
 
 LEVEL_SET: dict[str, Any] = {"line_alpha": 0.85, "line_width": 0.8}
-OWN_LEVEL_SET: dict[str, Any] = {"line_width": 2.0}
+OWN_LEVEL_SET: dict[str, Any] = {"line_width": 2.0, "line_dash": [2, 3]}
 """Looks of the level sets of ψ, and of those on which the run is: the palest that WCAG admits (3:1), on every shade."""
 
 HEAD: dict[str, Any] = {"fill_color": GREY, "line_color": GREY}
@@ -49,8 +49,8 @@ READOUT_STYLES: dict[str, str | None] = {
 OWN_LEVEL, ATTRACTS, REPELS = "ψ = ψ(trajectory)", "S attracts", "S repels"
 
 MEANINGS = {
-    OWN_LEVEL: f"“{OWN_LEVEL}”: the level sets of ψ on which the arcs of {{trajectory}} begin, of at most "
-    f"{PIECES_WITH_LEVELS} arcs",
+    OWN_LEVEL: f"“{OWN_LEVEL}”: the level sets of ψ on which the arcs of {{trajectory}} begin, the first "
+    f"{PIECES_WITH_LEVELS} at most",
     ATTRACTS: f"“{ATTRACTS}”: both fields point towards it",
     REPELS: f"“{REPELS}”: both fields point away from it",
 }

@@ -74,9 +74,10 @@ def _grid(study: core.StabilityStudy) -> str:
     if study.map is None:
         return ""
     taus, values = study.map.taus, study.map.values
+    varied = variable_name(study.coordinate_name)
     across, up = f"τ from {taus[0]:.3g} to {taus[-1]:.3g}", f"from {values[0]:.4g} to {values[-1]:.4g}"
-    start = ", ".join("·" if k == study.coordinate else f"{x:.6g}" for k, x in enumerate(study.x0))
-    name = f"initial states ({start}) with {variable_name(study.coordinate_name)} {up}"
+    start = ", ".join(varied if k == study.coordinate else f"{x:.6g}" for k, x in enumerate(study.x0))
+    name = f"initial states ({start}) with {varied} {up}"
     drawn = study.largest_tau is not None and bool(study.largest_tau.found.any())
     until = _until(study, study.largest_tau) if study.largest_tau is not None else ""
     lines = f"The lines “largest successful τ” hold for the chosen start only, {until}. " * drawn

@@ -30,7 +30,7 @@ MOST_NAMES = 200
 
 _DECIMAL_COMMA = re.compile(r"\s*[-+−]?[0-9]+,[0-9]+\s*")
 _LIMIT = re.compile(r"'[^']*': ((?:it contains|the exponent|the number|a number) .*)")  # of what is written as a number
-_SUCH = "Type one such as “0.01”, “1e-3”, “1/3” or “sqrt(2)”."
+_SUCH = "Type a number such as “0.01”, “1e-3”, “1/3” or “sqrt(2)”."
 
 
 def value_of(text: str) -> float:
@@ -69,7 +69,8 @@ def number(value: object, subject: str, low: float, high: float) -> float:
         point = " The decimal point is written as “.”." * (_DECIMAL_COMMA.fullmatch(text) is not None)
         raise ValueError(f"“{text}” is not a number.{point} {_SUCH}") from None
     if not math.isfinite(result):
-        raise ValueError(f"“{value}” is not a finite number. {_SUCH}")
+        why = "is too large" if re.search("[0-9]", text) else "is not a number that can be used"
+        raise ValueError(f"“{text}” {why}. {_SUCH}")
     if not low <= result <= high:
         raise ValueError(f"{subject} has to lie between {low:,g} and {high:,g}.")
     return result

@@ -150,7 +150,7 @@ class NumberField(pn.viewable.Viewer):
 
     def _refusal(self, reason: ValueError) -> str:
         """Return why a text is refused, and the number that is used still."""
-        return f"{printed(str(reason)).rstrip('.')}. Still in use: {self.entry.said}."
+        return f"{printed(str(reason)).rstrip('.')}. Still in use: {printed(shortest(self.entry.value))}."
 
     def _slide(self, place: float) -> None:
         if self._syncing:

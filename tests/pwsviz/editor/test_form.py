@@ -53,6 +53,13 @@ def test_nothing_is_checked_before_something_is_filled_in():
     assert editor.system is None
 
 
+def test_parameters_on_which_nothing_depends_are_named(desk):
+    assert "No law contains" not in desk.editor.status.object
+    given = desk.editor.texts["parameters"].value
+    desk.type(parameters=f"{given}\nunneeded = 1")
+    assert desk.editor.status.object.endswith("This system is ready. No law contains “unneeded”.</p>")
+
+
 def test_one_can_start_from_empty_fields(desk):
     assert BLANK in [item["label"] for item in desk.editor.menu.items]
     desk.editor._choose({"label": BLANK})

@@ -333,7 +333,7 @@ def test_a_map_of_solutions_that_end_early_says_so(study):
 
 def test_the_text_gives_the_grid_the_fixed_coordinates_and_for_which_start_the_lines_hold(study):
     told = stability_text(study, "map")
-    fixed = ", ".join("·" if k == study.coordinate else f"{x:.6g}" for k, x in enumerate(study.x0))
+    fixed = ", ".join(study.coordinate_name if k == study.coordinate else f"{x:.6g}" for k, x in enumerate(study.x0))
     assert told.startswith("6 × 5 values: τ from ")
     assert f"initial states ({fixed}) with {study.coordinate_name} from " in told
     assert ". The lines “largest successful τ” hold for the chosen start only, to t = " in told
