@@ -20,7 +20,7 @@ import core
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.moving import AWAIT, REPAINT, TELL_PLACE
-from pwsviz.figures.style import GREEN, GREY, PURPLE, SHADES, SIDES, TINT, assign, ranges, tips, unseen
+from pwsviz.figures.style import GREEN, GREY, SHADES, SIDES, SURFACE, TINT, assign, ranges, tips, unseen
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, surface_name
@@ -91,7 +91,7 @@ class Ground:
         look: dict[str, Any] = {"line_color": GREEN, "line_width": 7}
         attracting = plot.add_glyph(self.attracting, Line(**look))
         repelling = plot.add_glyph(self.repelling, Line(line_dash=[6, 6], **look))
-        line = plot.add_glyph(self.surface, Line(line_color=PURPLE, line_width=2.5))
+        line = plot.add_glyph(self.surface, Line(line_width=2.5, **SURFACE))
         self._names = label_glyph(plot)
         self.labels = self._names.data_source
         self._surface_labels: list[str] = []

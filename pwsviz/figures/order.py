@@ -337,16 +337,18 @@ class OrderView:
         top, bottom = ROOM * float(errors.max(initial=floor)), lowest(errors, floor)
         used = np.concatenate([one.taus[one.there] for one in drawn] if len(errors) else [one.taus for one in drawn])
         near, far = float(used.min()), float(used.max())
-        tops = np.array([max([top, *(ROOM * one.height(slope, far) for one in drawn)]) for slope in slopes])
-        starts = np.array([max(near, far * (bottom / end) ** (1 / s)) for end, s in zip(tops, slopes, strict=True)])
-        heights = tops * (starts / far) ** np.array(slopes)
-        ends = {"x": [far] * len(slopes), "y": tops}  # until the browser has found places
+        powers = np.array(slopes, dtype=float)
+        at_far = [max([top, *(ROOM * one.height(slope, far) for one in drawn)]) for slope in slopes]
+        right = far * (top / np.array(at_far)) ** (1 / powers)
+        left = np.maximum(near, right * (bottom / top) ** (1 / powers))
+        heights = top * (left / right) ** powers
+        ends = {"x": right, "y": np.full(len(slopes), top)}  # until the browser has found places
         self.guide_names.data = {**ends, "text": [f"slope {slope}" for slope in slopes]}
         self.guides.data = {
-            "xs": [np.array([start, far]) for start in starts],
-            "ys": [np.array(ends) for ends in zip(heights, tops, strict=True)],
+            "xs": [np.array(ends) for ends in zip(left, right, strict=True)],
+            "ys": [np.array([height, top]) for height in heights],
         }
-        self.corners.data = {"x": [near, far], "y": [bottom, tops.max(initial=top)]}
+        self.corners.data = {"x": [near, far], "y": [bottom, top]}
 
 
 class _Drawn:

@@ -31,6 +31,7 @@ from pwsviz.figures.style import (
     PURPLE,
     SAND,
     SKY,
+    SURFACE,
     VERMILION,
     VIOLET,
     assign,
@@ -84,7 +85,7 @@ class SectionView:
             active_scroll="wheel_zoom",
         )
         self.surface = ColumnDataSource({"x": [], "y": []})
-        self._surface_line = self.figure.add_glyph(self.surface, Line(line_color=PURPLE, line_width=1.5))
+        self._surface_line = self.figure.add_glyph(self.surface, Line(line_width=1.5, **SURFACE))
         self.cloud = PointCloud(self.figure, START_COLOURS, lambda _window: self._trace_surface())
         self._key: Any = None
         self._made: list[tuple[SectionPortion, tuple[Portion, ...]]] = []

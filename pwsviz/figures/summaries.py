@@ -192,9 +192,12 @@ def _of_time(row: Row) -> bool:
 
 
 def method_notes(scene: Scene) -> str:
-    """Return which integrators are left out of which studies, and why."""
+    """Return which integrators conserve ψ, and which are left out of which studies, and why."""
     resting = [name for name in core.METHODS if name not in scene.offered]
     notes = []
+    if scene.declaration.laws.most_conserved:
+        keeping = listed([name for name in scene.offered if core.METHODS[name].conservative])
+        notes.append(f"{keeping} conserve ψ to round-off.")
     if resting:
         notes.append(f"{listed(resting)} need a conserved quantity; none is known here, so they are not offered.")
     for name in [name for name in scene.used if core.METHODS[name].adaptive]:

@@ -1,6 +1,7 @@
 """What the browser tests share: how a picture is awaited and a field is found."""
 
 import re
+import time
 
 PATIENCE = 60_000
 """Milliseconds to wait for what comes in one or two on a quiet machine: tests run beside one another."""
@@ -53,7 +54,8 @@ TIP = """() => [...document.querySelectorAll(".bk-Tooltip")].filter(tip => tip.g
 
 def moments(page):
     """Yield again and again until patience ends, a moment apart."""
-    for _ in range(PATIENCE // INTERVAL):
+    end = time.monotonic() + PATIENCE / 1000
+    while time.monotonic() < end:  # a look itself may take seconds
         yield
         page.wait_for_timeout(INTERVAL)
 

@@ -232,3 +232,20 @@ def test_the_slope_of_scattered_errors_has_its_standard_error_as_statistics_give
         used = (taus >= row.window[0] * (1 - 1e-9)) & (taus <= row.window[1] * (1 + 1e-9))
         fit = linregress(np.log(taus[used]), np.log(row.error[used]))
         assert (row.slope, row.spread) == pytest.approx((fit.slope, fit.stderr), rel=1e-6)
+
+
+@pytest.mark.parametrize("slope", [1, 2, 6])
+def test_lines_of_slopes_lie_apart_from_curves_that_are_about_as_steep_and_within_the_axes(slope):
+    taus = np.geomspace(0.1, 1e-3, 12)
+    error = np.minimum(0.5 * (taus / 0.02) ** slope, 0.5)  # it levels off where step sizes are large
+    view = OrderView("error")
+    row = Row("after", "after", error, float(slope), (1e-3, 0.019), 1e-14)
+    view.show([Studied("rk2", slope, taus, [row], "exact")])
+    names = view.guide_names.data["text"]
+    for name, x, y in zip(names, view.guides.data["xs"], view.guides.data["ys"], strict=True):
+        steep = int(name.removeprefix("slope "))
+        assert np.log(y[1] / y[0]) / np.log(x[1] / x[0]) == pytest.approx(steep)
+        assert y[1] <= view.corners.data["y"][1]
+        beside = (taus <= 0.019) & (taus >= x[0])
+        if steep == slope:
+            assert (y[0] * (taus / x[0]) ** slope >= 2 * error * (1 - 1e-9))[beside].all()
