@@ -66,8 +66,8 @@ const give_edges = picture => {
   }
 }
 
-// A surface is a double line: without its colour it would be taken for a curve. Its joins tell it, here and in the legend.
-const SURFACES = "path[stroke-linejoin=miter]", WIDER = 1.5, HOLLOW = 0.5  // times its width
+// A surface is a double line: without its colour it would be taken for a curve. The ends of its strokes tell it, here and in the legend.
+const SURFACES = "path[stroke-linecap=square]", WIDER = 1.5, HOLLOW = 0.5  // times its width
 const open_surfaces = picture => {
   for (const surface of picture.querySelectorAll(SURFACES)) {
     const width = WIDER * Number(surface.getAttribute("stroke-width")), inner = surface.cloneNode()

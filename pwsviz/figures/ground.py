@@ -32,7 +32,8 @@ from pwsviz.results.orbits import PIECES_WITH_LEVELS
 __all__ = ["Ground"]
 
 LEVEL_SET: dict[str, Any] = {"line_alpha": 0.85, "line_width": 0.8}
-OWN_LEVEL_SET: dict[str, Any] = {"line_width": 2.0, "line_dash": [2, 3]}
+DOTS = (2, 3)
+OWN_LEVEL_SET: dict[str, Any] = {"line_width": 2.0, "line_dash": DOTS}
 """Looks of the level sets of ψ, and of those on which the run is: the palest that WCAG admits (3:1), on every shade."""
 
 HEAD: dict[str, Any] = {"fill_color": GREY, "line_color": GREY}
@@ -229,7 +230,7 @@ class Ground:
             there = [side for side, lines in part.items() if np.isfinite(lines).any()]
             entry.visible = bool(there)
             if there and k in self._level_keys:
-                _colour(self._level_keys[k], there)
+                _colour(self._level_keys[k], there, DOTS if k == 2 else ())
         text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels, "window": backdrop.window})
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
@@ -262,15 +263,17 @@ def _keys(plot: figure, **look: Any) -> dict[int, GlyphRenderer[Any]]:
     return {side: plot.add_glyph(nowhere, Line(line_color=colour, **look)) for side, colour in SIDES.items()}
 
 
-def _colour(keys: dict[int, GlyphRenderer[Any]], there: list[int]) -> None:
-    """Give the key of lines the colour of the side on which they are; if on both, half of it each colour.
+def _colour(keys: dict[int, GlyphRenderer[Any]], there: list[int], dash: tuple[int, ...]) -> None:
+    """Give the key of lines, with their dash, the colour of the side on which they are; if on both, half of it each.
 
     The entry keeps its renderers: of others, Bokeh would go through all models of the page.
     """
     half = LEGEND_GLYPH // 2
+    halved = [*dash] * ((half + dash[-1]) // sum(dash)) if dash else [half, 0]
+    halved[-1] += LEGEND_GLYPH - sum(halved)
     for side, key in keys.items():
-        alone = [] if side in there else [0, LEGEND_GLYPH]
-        key.glyph.line_dash = [half, half] if len(there) == len(keys) else alone
+        alone = [*dash] if side in there else [0, LEGEND_GLYPH]
+        key.glyph.line_dash = halved if len(there) == len(keys) else alone
         key.glyph.line_dash_offset = half if side > 0 else 0
 
 

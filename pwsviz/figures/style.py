@@ -72,8 +72,8 @@ OCCUPIED = {
 }
 """Name, of one surface, and colour of where a run is, by its shade: on a side, in a further region, or sliding."""
 
-SURFACE: dict[str, Any] = {"line_color": PURPLE, "line_join": "miter"}
-"""Look of the lines of surfaces; pictures know these by their joins."""
+SURFACE: dict[str, Any] = {"line_color": PURPLE, "line_cap": "square"}
+"""Look of the lines of surfaces; pictures know these by their ends."""
 
 TINT = 0.13
 """Opacity of the first shade in the portrait, beneath arrows and level sets."""

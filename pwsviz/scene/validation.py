@@ -69,7 +69,7 @@ def number(value: object, subject: str, low: float, high: float) -> float:
         point = " The decimal point is written as “.”." * (_DECIMAL_COMMA.fullmatch(text) is not None)
         raise ValueError(f"“{text}” is not a number.{point} {_SUCH}") from None
     if not math.isfinite(result):
-        why = "is too large" if re.search("[0-9]", text) else "is not a number that can be used"
+        why = "is too large" if re.search("[0-9]", text) else "is not a finite number"
         raise ValueError(f"“{text}” {why}. {_SUCH}")
     if not low <= result <= high:
         raise ValueError(f"{subject} has to lie between {low:,g} and {high:,g}.")
