@@ -97,7 +97,7 @@ def _about_marks(curves: Sequence[ErrorCurve]) -> str:
     if many > MOST_BANDS:
         whose = f" of {first.method}" * (len(curves) > 1)
         return f" The {many:,} crossings{whose} are too dense to mark; the sides are not shaded."
-    return f" Marks and shades are those of {first.method}." * (len(curves) > 1)
+    return f" Crossings, jumps and shading shown are those of {first.method}." * (len(curves) > 1)
 
 
 def _change(curve: ErrorCurve) -> str:

@@ -65,6 +65,12 @@ def bottom_of(study: core.WorkPrecision, up: Up) -> float:
     return (study.floor[up] or MACHINE_EPSILON) / FAINT
 
 
+def shows_round_off(study: core.WorkPrecision, up: Up) -> bool:
+    """Whether errors come so near to round-off that its line is within the axes, or may be."""
+    errors = np.concatenate([error_of(curve, up) for curve in study.curves])
+    return bool((errors < 10 * (study.floor[up] or MACHINE_EPSILON)).any())
+
+
 def setting_text(curve: CostCurve, k: int) -> str:
     """Return a setting as text: “τ = 0.01”."""
     name = "τ" if curve.setting_name == "tau" else curve.setting_name
@@ -75,9 +81,9 @@ def settings_text(study: core.WorkPrecision) -> str:
     """Return between which step sizes and tolerances the points lie: “dmm2: τ from 0.001 to 0.2”."""
     ranges = []
     for name, said in (("tau", "τ"), ("tolerance", "tolerance")):
-        having = [curve for curve in study.curves if curve.setting_name == name]
+        having = [c for c in study.curves if c.setting_name == name and np.isfinite(c.seconds).any()]
         if having:
-            found = np.concatenate([curve.setting for curve in having])
+            found = np.concatenate([curve.setting[np.isfinite(curve.seconds)] for curve in having])
             whose = listed([curve.title for curve in having])
             ranges.append(f"{whose}: {said} from {found.min():.3g} to {found.max():.3g}")
     return "; ".join(ranges)
@@ -111,11 +117,12 @@ def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) 
             cells += [NONE, NONE]
             continue
         slack = TIE if across == "seconds" else 1.0
-        names = [f"{curve.title}, {setting_text(curve, k)}" for cost, curve, k in found if cost <= slack * found[0][0]]
-        told = cost_words(found[0][0], across)
+        best = [one for one in found if one[0] <= slack * found[0][0]]
+        names = [f"{curve.title}, {setting_text(curve, k)}" for _, curve, k in best]
+        told = [cost_words(cost, across) for cost, *_ in best]
         if across == "seconds":  # a number stays with its unit
-            told = told.replace(" ", "\u00a0")
-        cells += [" or ".join(names), told]
+            told = [one.replace(" ", "\u00a0") for one in told]
+        cells += [" or ".join(names), " or ".join(told if len({*told}) > 1 else told[:1])]
     return tuple(cells)
 
 
@@ -167,10 +174,9 @@ def timed_how(study: core.WorkPrecision) -> str:
     """Return what a run time is, on which machine, and of which integrators the field is not compiled."""
     slow = [c.title for c in study.curves if c.peer and not EXTERNAL_SOLVERS[c.name].compiled]
     times = f"the shortest of {study.repeats} runs" if study.repeats > 1 else "one run"
-    call = (
-        f"; {listed(slow)} calls a Python function for the field, where that of the others is compiled" if slow else ""
-    )
-    return f"Run time is the processor time of one thread without compilation, {times}, on {processor()}{call}"
+    call = f"; {listed(slow)} evaluates the field in Python, whereas the others use compiled code" if slow else ""
+    what = f"processor time of one thread without compilation, {times}"
+    return f"Run time is the {what}, on the processor {processor()}{call}"
 
 
 def _compiling(study: core.WorkPrecision) -> str:

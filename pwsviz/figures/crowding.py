@@ -38,7 +38,7 @@ SOME = " (some)"
 NARROW_SHADES = "brief stays not shaded"
 """What a legend says where some shades are left out."""
 
-NO_SHADES = "stays on a side not shaded"
+NO_SHADES = "sides not shaded"
 """What it says where all are."""
 
 FACTOR = "const factor = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16  // large in a lecture\n"

@@ -134,7 +134,9 @@ class GrazingFigure:
             return
         n = len(study.methods)
         heights = [_heights(grazing, k, side) for side in (0, 1) for k in range(n)]
-        self.curves.data = _columns(study.methods * 2, [grazing.delta] * 2 * n, heights)
+        curves = _columns(study.methods * 2, [grazing.delta] * 2 * n, heights)
+        # Each mark is a run: in print, too, none tells an integrator.
+        self.curves.data = {name: column for name, column in curves.items() if name != "marker"}
         for side, (source, entry) in enumerate(zip(self.points, self._entries[:2], strict=True)):
             rows = [row for k in range(n) for row in _points(study, grazing, k, side, heights[side * n + k])]
             source.data = {name: [row[name] for row in rows] for name in source.data}

@@ -132,16 +132,25 @@ def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
     if not grazing.found:
         return f"No tangency was found: for no {name} in the range searched does the trajectory touch the surface."
     place = ", ".join(f"{v:.4g}" for v in grazing.state)
-    start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g} in"
+    start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g},"
     words = [
-        f"{start} ({place}).",
-        f"Runs that start beside it have step size τ = {grazing.tau:.3g}.",
+        f"{start} at ({place}).",
+        f"Runs start at the distance δ from there, with step size τ = {grazing.tau:.3g}{_until_after(grazing)}.",
     ]
     if not grazing.judged.any():
         words.append("There is nothing to compare with: the reference ends early.")
     else:
         words.append("Reference for the crossings: the exact solution where one is known, else the Taylor method.")
     return " ".join(words)
+
+
+def _until_after(grazing: Grazing) -> str:
+    """Return up to when runs near a tangency go, before the next crossing; empty while there is none."""
+    ends = grazing.horizon[np.isfinite(grazing.horizon)]
+    if not len(ends):
+        return ""
+    first, last = (f"t = {end:.4g}" for end in (ends.min(), ends.max()))
+    return f", to {first}" if first == last else f", to times from {first} to {last}"
 
 
 # Tables --------------------------------------------------------------------------------------------------------------
@@ -190,7 +199,7 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
         return f"from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected is not core.Status.COMPLETED:
         return f"from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
-    moved = f", since a crossing lies too close to t = {end:.4g} for a run to be judged there" * (horizon != end)
+    moved = f", since within one step of t = {end:.4g} the solution meets or leaves a surface" * (horizon != end)
     return f"to t = {horizon:.4g}{moved}"
 
 

@@ -275,7 +275,7 @@ def _told(name: str, runs: Sequence[StateCurves], k: int) -> str:
 
 def whose_marks(runs: Sequence[StateCurves]) -> str:
     """Say whose marks and shades are shown, where there are several runs."""
-    return f"Marks and shades are those of {runs[0].method}." if len(runs) > 1 else ""
+    return f"Crossings, jumps and shading shown are those of {runs[0].method}." if len(runs) > 1 else ""
 
 
 def _how_many(crossings: int) -> str:

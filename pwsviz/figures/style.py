@@ -81,8 +81,8 @@ TINT = 0.13
 OPACITY = {-1: 0.19, 1: 0.14, 2: 0.2, 3: 0.14, 0: 0.19}
 """Opacity of each shade behind curves against time."""
 
-PRINTED_OPACITY = {SHADES[shade]: 1.5 * opacity for shade, opacity in OPACITY.items()}
-"""Opacity in print of each colour of `SHADES`, in every figure: without colours, too, the first two differ."""
+PRINTED_OPACITY = {SHADES[shade]: opacity for shade, opacity in {-1: 0.45, 1: 0.15, 2: 0.45, 3: 0.4, 0: 0.55}.items()}
+"""Opacity in print of each colour of `SHADES`, in every figure; without colours, too, they differ."""
 
 HEIGHT = "clamp(340px, min(100vh - var(--rest, 15.6rem), 90vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall; a lecture sets `--rest`."""

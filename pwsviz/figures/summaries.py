@@ -107,8 +107,8 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
         first, *later = (f"{t:.4g}" for t in study.times)
         words = (
             f"‖x − x*‖₂ is the Euclidean norm of the difference from the reference x*, at t = {first}, halfway to the "
-            f"first crossing (“before”), and at t = {listed(later)}, halfway from crossing {counted} to the next "
-            "(“after”)"
+            f"first crossing (“before”), and at t = {listed(later)}, halfway between crossings {counted} and those "
+            "that follow (“after”)"
         )
     else:
         words = (

@@ -134,7 +134,8 @@ def conserved_note(system: core.PiecewiseSystem) -> str:
         names = f"region{'s' * (len(bare) > 1)} {', '.join(map(region_name, bare))}"
         return f"No conserved quantity is known in {names}: there the curves have gaps."
     most = max(counts.values())
-    return f"The largest |Δψ| of the {most} conserved quantities is drawn at each time." if most > 1 else ""
+    which = "larger |Δψ| of the two" if most == 2 else f"largest |Δψ| of the {most}"
+    return f"The {which} conserved quantities is drawn at each time." if most > 1 else ""
 
 
 def _others(names: Sequence[Name], axes: Axes) -> list[Name]:

@@ -304,6 +304,8 @@ class Explorer(pn.viewable.Viewer):
             means = panel.portrait.ground.meaning(
                 "the trajectory" + f" from initial state {self.scene.selected + 1}" * several
             )
+            if any((one.run.crossings.kind == "jump").any() for one in runs):
+                means = f"{means} Dotted lines join the states before and after jumps.".strip()
             pieces = [Piece("Phase portrait", tables, drawn, slid=slid, meaning=means, endings=endings(runs))]
         if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
             return [*pieces, Piece(title, {}, [], lack=NOT_YET)]

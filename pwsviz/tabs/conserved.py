@@ -34,7 +34,7 @@ class ErrorPicture(NamedTuple):
     """Why no step was made, where none was."""
 
 
-DEFINED = "|Δψ| is the change of ψ since the start, without the changes that the system itself makes at crossings."
+DEFINED = "|Δψ| is the change of ψ since the start, without the changes that the system itself makes at {met}."
 """What the axis shows, in a line; captions say more."""
 
 
@@ -87,13 +87,14 @@ class ConservedTab(Tab):
 
     def details(self, outcome: ErrorPicture) -> str:
         """Return what the axis shows."""
-        return DEFINED * (outcome.system.laws.most_conserved > 0 and not outcome.unmoved)
+        met = met_at_surfaces(outcome.system)
+        return DEFINED.format(met=met) * (outcome.system.laws.most_conserved > 0 and not outcome.unmoved)
 
     def heading(self, outcome: ErrorPicture) -> str:
         """Return whether the figure shows the error of ψ, or that of g while sliding."""
         known = outcome.system.laws.most_conserved
         quantities = "quantities" if known > 1 else "quantity"
-        return f"Error of the conserved {quantities}" if known else "Change of g along the sliding motion"
+        return f"Error of the conserved {quantities}" if known else "Error of g along the sliding motion"
 
     def meaning(self, outcome: ErrorPicture) -> str:
         """Return what the axis and the lines show, for captions."""

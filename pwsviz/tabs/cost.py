@@ -12,7 +12,7 @@ import core
 from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
 from pwsviz.figures.cost import MEANING, CostView, compared_with, cost_numbers, cost_rows, cost_text, timed_how
-from pwsviz.figures.cost_text import settings_text
+from pwsviz.figures.cost_text import settings_text, shows_round_off
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS, met_at_surfaces
 from pwsviz.tabs.base import LongTab, about_crossings
@@ -93,9 +93,9 @@ class CostTab(LongTab):
     def meaning(self, outcome: core.WorkPrecision) -> str:
         """Return what the errors, the line and open symbols are, for captions."""
         wrong = any((~curve.correct_sequence & np.isfinite(curve.seconds)).any() for curve in outcome.curves)
-        hollow = " Open symbols: the run has another sequence of crossings than the reference." * wrong
+        hollow = " Open symbols: the run has a different sequence of crossings from the reference." * wrong
         level = " Below the line “round-off”, errors may be the round-off of one state or those of the reference."
-        return f"{MEANING[self.scene.cost_up]}{level}{hollow}"
+        return f"{MEANING[self.scene.cost_up]}{level * shows_round_off(outcome, self.scene.cost_up)}{hollow}"
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""

@@ -144,6 +144,8 @@ class OrderTab(LongTab):
         )
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
+        if self._rows is state_rows:
+            taus += f", before the first crossing and after crossing {listed([str(k) for k in first.crossings])}"
         rule = f"{self._times(outcome)} {fit_rule(studied(outcome, self._rows))}".lstrip()
         return f"integrated by {methods} with {taus}; {crossings}; reference: {first.reference}. {rule}"
 

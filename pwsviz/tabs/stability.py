@@ -27,11 +27,13 @@ from pwsviz.widgets.setting_buttons import choice
 HEADINGS = {"map": "Outcomes of runs", "drift": "Error of ψ in long runs", "grazing": "Crossings near grazing"}
 """What a caption says of each part, to be followed by “of the system”."""
 
-SUCCESSFUL = (
-    "A step size is successful if the run has the crossings of the reference, ends as it does and, for a conservative "
-    "integrator, |Δψ| is at most 10⁻¹⁰ of the size of the terms of ψ."
-)
-"""Of the lines in the map."""
+MEANINGS = {
+    "map": "A step size is successful if the run has the crossings of the reference, ends as it does and, for a "
+    "conservative integrator, |Δψ| is at most 10⁻¹⁰ of the size of the terms of ψ.",
+    "drift": "|Δψ| is the change of ψ since the start; drawn is the largest in each part of the time.",
+    "grazing": "|Δψ| is the change of ψ since the start.",
+}
+"""Of the lines in each part, for captions."""
 
 
 class StabilityTab(LongTab):
@@ -131,15 +133,15 @@ class StabilityTab(LongTab):
         return "" if scene.stability_part == "drift" else scene.declaration.variables[scene.stability_coordinate]
 
     def meaning(self, outcome: core.StabilityStudy) -> str:
-        """Return which runs are successful, for captions of the map, whose lines are named so."""
-        return SUCCESSFUL if self.scene.stability_part == "map" else ""
+        """Return which runs are successful, for captions of the map, whose lines are named so, or what the error is."""
+        return MEANINGS[self.scene.stability_part]
 
     def how(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are drawn of the part shown, and how they were integrated."""
         system, part = self.scene.declaration, self.scene.stability_part
         crossings = at_surface(met_at_surfaces(system), self.scene.locate, self.scene.slides and may_slide(system))
         which = runs_drawn(outcome, part, self.scene.selected_method)
-        return f"{which}; {crossings}. {stability_text(outcome, part)}".rstrip(".")
+        return f"{which}; {crossings}. {stability_text(outcome, part) * (part != 'drift')}".rstrip(". ")
 
     def pictures(self) -> list[figure]:
         """Return the figure of the part shown, if it shows anything."""

@@ -214,10 +214,11 @@ export function render({ model }) {
   model.narrow = window.innerWidth < NARROW
   model.dark = (IS_DARK)()
   const press = event => {
-    const typing = event.composedPath().some(node => node.tagName == "INPUT" && node.type == "text"
+    const field = event.composedPath().find(node => node.tagName == "INPUT" && node.type == "text"
       || node.tagName == "TEXTAREA")
+    const typing = field != null && !field.hasAttribute("data-settled")  // what is typed there is undone first
     const key = event.key.toLowerCase()
-    if (key == "?" && !typing) { model.send_msg("help") }
+    if (key == "?" && field == null) { model.send_msg("help") }
     if (typing || !(event.ctrlKey || event.metaKey) || !(key == "z" || key == "y" && !event.shiftKey)) return
     event.preventDefault()
     model.send_msg(key == "z" && !event.shiftKey ? "undo" : "redo")

@@ -14,15 +14,19 @@ function render({ model, el }) {
 
   let typing = false  // the entry holds what was not sent yet
   let sent = model.answered  // number of the last text that was sent
+  const shown = () => model.text.replaceAll("-", "\u2212")  // the sign that the page prints; typed, both are understood
+  // Whether there is nothing of its own to undo in the entry: Ctrl+Z is then the page's (see `browser.py`).
+  const mark = () => entry.toggleAttribute("data-settled", !typing && model.complaint == "")
   const fill = () => {  // only with the answer to the last text: no late answer to another replaces what was typed since
     if (!typing && model.answered == sent) {
       const selected = entry.matches(":focus") && entry.selectionStart == 0 && entry.selectionEnd == entry.value.length
-      entry.value = model.text.replaceAll("-", "\u2212")  // the sign that the page prints; typed, both are understood
+      entry.value = shown()
       if (selected) entry.select()  // what is typed next is to replace all of it
     }
     write()
   }
   const write = () => {
+    mark()
     label.textContent = model.label
     about.textContent = entry.title = slider.title = model.description
     entry.disabled = slider.disabled = model.disabled
@@ -49,6 +53,7 @@ function render({ model, el }) {
   const take = () => {
     typed = true
     typing = false
+    mark()
     model.send_msg({ number: ++sent, text: entry.value })
     if (model.complaint) {  // the same words would not be announced again, nor sent: they go for a moment
       note.textContent = "\u00a0"
@@ -70,7 +75,10 @@ function render({ model, el }) {
     typing = false
     fill()
   }
-  entry.addEventListener("input", () => { typing = true })
+  entry.addEventListener("input", () => {
+    typing = model.answered != sent || entry.value != shown()
+    mark()
+  })
   entry.addEventListener("change", take)
   entry.addEventListener("blur", leave)  // after "change", if there is one
   slider.addEventListener("input", slide)

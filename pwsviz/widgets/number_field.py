@@ -15,6 +15,9 @@ from pwsviz.widgets.fields import FIELD_CSS
 SLIDER_DIGITS = 3
 """Significant digits of the numbers a slider gives."""
 
+WIDEST_NOTE, NOTE_DIGITS = 12, 7
+"""Characters up to which a value is told to the last digit beside its formula, and digits of a longer one."""
+
 SLIDER_RESTS = 5
 """Milliseconds that Panel waits for further moves before it reports one; its 50 can be changed by no public option."""
 
@@ -193,7 +196,8 @@ def _told(value: float, typed: str = "") -> dict[str, Any]:
     """Return what the field says of a number: a formula that was typed, or a ratio, with its value beside."""
     text = typed.strip() if typed and not _is_decimal(typed) else shortest(value)
     said = printed(repr(value).removesuffix(".0"))
-    note = "" if _is_decimal(text) or text == said else f"= {said}"
+    value_told = f"= {said}" if len(said) <= WIDEST_NOTE else f"≈ {printed(f'{value:.{NOTE_DIGITS}g}')}"
+    note = "" if _is_decimal(text) or text == said else value_told
     return {"text": text, "said": said, "note": note, "complaint": "", "value": value}
 
 

@@ -311,9 +311,30 @@ def test_fields_take_formulas_sliders_tell_their_numbers_and_undo_is_the_fields_
     page.keyboard.press("Control+z")
     sync_api.expect(end).to_have_value("3")
     assert field(page, "Step size τ").input_value() == "0.02"
+    page.keyboard.press("Control+z")  # there is nothing more to undo in the field
+    sync_api.expect(field(page, "Step size τ")).not_to_have_value("0.02")
+    sync_api.expect(end).to_have_value("3")
+    page.keyboard.press("Control+y")
+    sync_api.expect(field(page, "Step size τ")).to_have_value("0.02")
     page.get_by_role("tab", name="Order").focus()
     page.keyboard.press("Control+z")
     sync_api.expect(field(page, "Step size τ")).not_to_have_value("0.02")
+
+
+def test_undo_in_a_field_whose_text_is_in_force_is_that_of_the_page(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    await_built(page)
+    step, slider = field(page, "Step size τ"), page.get_by_role("slider", name="Step size τ, slider")
+    step.click()
+    page.keyboard.press("Control+a")
+    page.keyboard.type("1/30")
+    page.keyboard.press("Enter")
+    sync_api.expect(slider).to_have_attribute("aria-valuetext", re.compile(r"^0\.0333"))
+    for key, text, told in (("z", "0.01", r"^0\.01$"), ("y", "1/30", r"^0\.0333")):
+        page.keyboard.press(f"Control+{key}")
+        sync_api.expect(slider).to_have_attribute("aria-valuetext", re.compile(told))
+        sync_api.expect(step).to_have_value(text)
 
 
 def test_each_press_of_undo_and_of_redo_counts_however_fast_they_come(visit):

@@ -14,7 +14,7 @@ ZOOM = """factor => {
 }"""
 """Shows the first part of the time in the conserved quantity."""
 
-NARROW, SOME = "stays on a side not shaded", " (some)"
+NARROW, SOME = "sides not shaded", " (some)"
 
 
 def labels(page):

@@ -32,6 +32,8 @@ _OFF = 1e-5
 _CHANGES = 6
 #: Difference in time, relative to the time span, above which two crossings are different ones.
 _APART = 1e-3
+#: Time ahead, relative to the time or 1, over which the slope of ġ is taken.
+_AHEAD = 1e-6
 #: Half-width of the first bracket for the exact solution around a tangency, relative to the size of the coordinate.
 _NARROW = 1e-13
 #: Half-width beyond which no bracket is tried.
@@ -135,12 +137,28 @@ def _tangency(plan: Plan, value: float, cancel: Cancel | None) -> Tangency | Non
         return None
     # Two crossings shortly after each other; or one, if the other field leads away, or the state slides.
     dip = slice(k, k + 2) if len(t) > 2 and t[1] - t[0] < apart else slice(k, k + 1)
-    time, state = float(more.crossings.t[dip].mean()), more.crossings.x[dip].mean(axis=0)
+    time, state = _touch(plan, more, k)
     ends = [float(np.append(run.crossings.t, run.t[-1])[n]) for run, n in ((less, k), (more, dip.stop))]
     following = min(
         (t for t in ends if t > time + apart), default=plan.t_span[1]
     )  # a trajectory that slides ends at the touch
     return Tangency(value, time, state, (time + following) / 2, size)
+
+
+def _touch(plan: Plan, run: Trajectory, k: int) -> tuple[float, Floats]:
+    """Return time and state near crossing k, which is nearly tangential, at which the rate of g is 0.
+
+    By one step of Newton's method along the field: the crossing itself lies apart by the root of the distance between
+    the starts.
+    """
+    met, system = run.crossings, plan.system
+    before, surface = int(met.mode[k - 1] if k else run.mode[0]), int(met.surface_met[k])
+    t, x = met.t[k : k + 1], met.x[k : k + 1]
+    rate, *field = _along(system, before, surface, t, x)[0]
+    ahead = _AHEAD * max(1.0, abs(t[0]))
+    slope = (_along(system, before, surface, t + ahead, x + ahead * np.array(field))[0, 0] - rate) / ahead
+    shift = -rate / slope
+    return float(t[0] + shift), x[0] + shift * np.array(field)
 
 
 def _first_difference(more: Trajectory, less: Trajectory, apart: float) -> int:

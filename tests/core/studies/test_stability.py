@@ -289,6 +289,13 @@ def test_where_the_solution_stops_no_run_is_said_to_miss_a_crossing():
     assert (found.missed == 0).all()
 
 
+def test_the_touch_is_where_the_field_is_tangent_to_the_surface():
+    """Outside the circle the rate of g = x² + y² − 1 is 2y(3x² + 2x − 2)."""
+    found = stability_study(ELLIPTIC, (0.0, 20.0), methods=("dmm2",), parts="grazing").grazing
+    x = (28**0.5 - 2) / 6
+    assert found.state == pytest.approx([x, (1 - x * x) ** 0.5], abs=1e-7)
+
+
 def test_without_a_tangency_there_is_none():
     found = stability_study(HARMONIC, parts="grazing").grazing
     assert found.searched

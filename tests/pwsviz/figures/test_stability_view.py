@@ -303,7 +303,7 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
         (
             "elliptic_curve",
             20.0,
-            "to t = 20.07, since a crossing lies too close to t = 20 for a run to be judged there",
+            "to t = 20.07, since within one step of t = 20 the solution meets or leaves a surface",
         ),
         ("type_sliding", 20.0, "from which the solution itself ends before t = 20: a run has to end likewise"),
     ],

@@ -176,7 +176,7 @@ def test_a_planar_system_at_rest_needs_no_words():
 
 def test_the_conserved_view_says_what_is_not_known():
     assert "no conserved quantity" in conserved_note(core.CATALOGUE["relay_feedback"])
-    assert "2 conserved quantities" in conserved_note(core.CATALOGUE["rigid_body"])
+    assert "two conserved quantities" in conserved_note(core.CATALOGUE["rigid_body"])
     half = core.PiecewiseSystem("half", ("x", "y"), ("y", "-x"), ("y", "-x - y"), "x", psi_minus=("x**2 + y**2",))
     assert "where g > 0" in conserved_note(half)
 

@@ -538,7 +538,7 @@ def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
     last = explorer.view.outcome[0].times[-1]
     told = explorer.view.words.object
     assert last > explorer.scene.t_end
-    assert f" and {last:.4g}, halfway from crossing 10, 20 and 30 to the next (“after”)" in told
+    assert f" and {last:.4g}, halfway between crossings 10, 20 and 30 and those that follow (“after”)" in told
     assert "The end time has no effect here." in told
     assert "page" not in explorer.view.how(explorer.view.outcome)
     assert "the beginning and the end of sliding count as crossings" in told
@@ -881,7 +881,7 @@ def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbe
     for settings, told in (
         (
             {"system": "rigid_body", "methods": ["dmm2"]},
-            "The largest |Δψ| of the 2 conserved quantities is drawn at each time.",
+            "The larger |Δψ| of the two conserved quantities is drawn at each time.",
         ),
         ({"perturbation_order": 1}, "A perturbed crossing lies off the surface"),
     ):
