@@ -157,7 +157,9 @@ def _touch(plan: Plan, run: Trajectory, k: int) -> tuple[float, Floats]:
     rate, *field = _along(system, before, surface, t, x)[0]
     ahead = _AHEAD * max(1.0, abs(t[0]))
     slope = (_along(system, before, surface, t + ahead, x + ahead * np.array(field))[0, 0] - rate) / ahead
-    shift = -rate / slope
+    shift = -rate / slope if slope else 0.0
+    if not abs(shift) < _APART * (plan.t_span[1] - plan.t_span[0]):  # the rate does not vanish nearby
+        shift = 0.0
     return float(t[0] + shift), x[0] + shift * np.array(field)
 
 
