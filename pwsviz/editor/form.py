@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from html import escape
 from typing import Any
 
 import panel as pn
@@ -249,6 +248,7 @@ class SystemEditor(pn.viewable.Viewer):
         self._outcome = outcome
         self.status.object = _verdict(outcome)
         if outcome.system is not None:
+            self.maths["parameters"].object += _about_unused(outcome.system)
             self._on_ready(outcome.system)
         if self._wanted:
             self._use()
@@ -329,22 +329,21 @@ def _finding(finding: Finding) -> str:
 
 def _verdict(outcome: Checked) -> str:
     if outcome.system is not None:
-        unused = listed([f"“{name}”" for name in _unused(outcome.system)])
-        note = f" No law contains {unused}." * bool(unused)
-        return f'<p role="status">This system is ready.{escape(note)}</p>'
+        return '<p role="status">This system is ready.</p>'
     if "system" in outcome.complaints:
         return as_text(outcome.complaints["system"], "error")
     titles = "; ".join(FIELDS[name] for name in FIELDS if name in outcome.complaints)
     return as_text(f"The definition is not valid yet. Please check: {titles}.", "error")
 
 
-def _unused(system: core.PiecewiseSystem) -> list[str]:
-    """Return the names of the parameters on which nothing depends."""
+def _about_unused(system: core.PiecewiseSystem) -> str:
+    """Return a note that names the parameters on which nothing depends; empty if there are none."""
     laws = system.laws
     said = [*laws.surfaces, *(part for mode in laws.regions for part in (*mode.field, *mode.conserved))]
     said += [part for ways in laws.ways for way in ways for part in way.jump or ()]
     used = {symbol.name for one in said for symbol in one.free_symbols}
-    return [parameter.name for parameter in system.parameters if parameter.name not in used]
+    unused = [f"“{parameter.name}”" for parameter in system.parameters if parameter.name not in used]
+    return as_text(f"No law contains {listed(unused)}." * bool(unused), "finding")
 
 
 def _without_icons(words: str) -> str:

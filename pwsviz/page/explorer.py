@@ -50,7 +50,7 @@ COVER = Cover(RESULTS)
 FIRST = 0.15
 """Seconds that a page waits for its first pictures: most often they are there already, or need some milliseconds."""
 
-ADDRESS_RESTS = 600
+ADDRESS_RESTS = 1100
 """Milliseconds without a change of the scene after which the address bar is updated: not at each move of a slider."""
 
 WINDOW_RESTS = 300

@@ -24,7 +24,11 @@ from pwsviz.text.tables import Numbers
 from pwsviz.text.words import at_surface, complaint
 from pwsviz.widgets.setting_buttons import choice
 
-HEADINGS = {"map": "Outcomes of runs", "drift": "Error of ψ in long runs", "grazing": "Crossings near grazing"}
+HEADINGS = {
+    "map": "Outcomes of runs",
+    "drift": "Error of ψ in long runs",
+    "grazing": "Error of ψ and missed crossings near grazing",
+}
 """What a caption says of each part, to be followed by “of the system”."""
 
 MEANINGS = {
