@@ -127,6 +127,10 @@ def test_the_start_of_a_study_is_named_and_sliding_only_where_a_run_slides():
     scene = Scene(starts=((-1.0, -1.0), (-1.0, -0.5)), selected=1)
     assert about(scene)["starts"] == "initial states 1 and 2: (x, y) = (−1, −1); (−1, −0.5)"
     assert about(scene, every_start=False)["starts"] == "initial state (x, y) = (−1, −0.5), start 2 of 2"
+    assert about(scene, every_start=False, free="x")["starts"] == "initial states (x, y) = (x, −0.5)", (
+        "a study varies x"
+    )
+    assert "Initial states (x, y) = (x, −0.5)." in caption(scene, "Outcomes", every_start=False, free="x")
     assert "sliding" in caption(scene, "Phase portrait")
     assert "sliding" not in caption(scene, "Phase portrait", slid=False)
 

@@ -9,7 +9,7 @@ import pytest
 
 import core
 from pwsviz.figures.conserved import FLOOR, NOWHERE, ConservedView, drawable
-from pwsviz.figures.conserved_text import CEILING, MOST_BANDS, conserved_text
+from pwsviz.figures.conserved_text import CEILING, MOST_BANDS, conserved_text, meaning
 from pwsviz.figures.marks import KIND_COLOURS, KIND_MARKERS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.results.animation import landmarks
@@ -144,6 +144,12 @@ def test_screen_readers_hear_the_same_sentence():
     said = view.figure.html_attributes
     assert said["role"] == "img"
     assert conserved_text(curves) in said["aria-label"]
+
+
+def test_a_caption_speaks_of_what_is_met_and_only_where_something_is():
+    quiet, once = curve([0.0, 1e-16]), replace(curve([0.0, 1e-16]), crossings=np.array([3.0]), sides=np.array([1, 1]))
+    assert "between jumps, on each of which" in meaning([once], "jumps")
+    assert "jumps" not in meaning([quiet], "jumps")
 
 
 def test_the_sentence_tells_round_off_from_drift():

@@ -1,6 +1,7 @@
 """The work-precision diagram draws what the study holds, and says it in words."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import core
 from core.interface import processor
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
 from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_numbers, cost_rows, cost_text
-from pwsviz.figures.cost_text import settings_text
+from pwsviz.figures.cost_text import settings_text, shows_round_off
 from pwsviz.figures.style import BELOW_RANGE, line_of
 
 FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
@@ -147,6 +148,13 @@ def test_the_setting_is_told_on_a_point():
 def test_a_caption_tells_between_which_settings_the_points_lie():
     assert settings_text(BOTH) == "dmm2: τ from 0.01 to 0.1; SciPy DOP853: tolerance from 0.01 to 0.1"
     assert settings_text(study(DMM2)) == "dmm2: τ from 0.01 to 0.1"
+    failed = replace(DMM2, seconds=np.array([np.nan, 1e-3, 1e-2]))
+    assert settings_text(study(failed)) == "dmm2: τ from 0.01 to 0.0316", "a run that did not end is not drawn"
+
+
+def test_round_off_is_explained_only_where_errors_come_near_it():
+    assert not shows_round_off(BOTH, "state")
+    assert shows_round_off(study(curve("dmm2", [1e-4, 1e-3], [1e-4, 2 * FLOOR["state"]])), "state")
 
 
 def test_a_study_with_nothing_in_it_yet_can_be_drawn():

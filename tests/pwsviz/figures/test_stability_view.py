@@ -269,6 +269,7 @@ def test_rings_mark_the_runs_with_a_wrong_number_of_crossings(study):
     assert len(drawn.wrong.data["x"]) == np.count_nonzero(grazing.missed) > 0
     assert [len(source.data["x"]) for source in drawn.points] == [2 * 14, 2 * 14]
     assert len(drawn.curves.data["xs"]) == 4
+    assert "marker" not in drawn.curves.data, "in print each mark is a run, none tells an integrator"
     assert drawn._entries[0].label["value"].startswith("x < −1.55")
 
 

@@ -19,6 +19,8 @@ from pwsviz.figures.style import (
     LEVEL,
     OCCUPIED,
     ON_DARK,
+    PRINTED_OPACITY,
+    SHADES,
     assign,
     line_of,
     plain_figure,
@@ -191,3 +193,15 @@ def test_the_tool_that_zooms_says_that_it_needs_a_key():
 
 def test_the_description_of_a_figure_begins_as_a_sentence_does():
     assert plain_figure("state error, ‖x‖").html_attributes["aria-label"] == "State error, ‖x‖"
+
+
+def test_printed_shades_differ_without_their_colours():
+    def grey(colour):
+        red, green, blue = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
+        alpha = PRINTED_OPACITY[colour]
+        return 1 - alpha + alpha * (0.299 * red + 0.587 * green + 0.114 * blue) / 255
+
+    minus, plus, sliding = (grey(SHADES[shade]) for shade in (-1, 1, 0))
+    assert 1 - plus > 0.03, "it is seen"
+    assert plus - minus > 0.1
+    assert minus - sliding > 0.1
