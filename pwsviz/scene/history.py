@@ -46,7 +46,7 @@ class History(param.Parameterized):
         names, at = frozenset(event.name for event in events), self._clock()
         same, when = self._gesture
         follows = at - when < AT_ONCE and bool(self._past)
-        continues = bool(same) if self._held else names == same and at - when <= ONE_GESTURE
+        continues = bool(names & same) if self._held else names == same and at - when <= ONE_GESTURE
         if not follows and not continues:
             self._past = [*self._past, self._now][-MAX_STEPS_BACK:]
             self._dropped, self._future = self._future, []
@@ -74,7 +74,7 @@ class History(param.Parameterized):
 
     def _go(self, settings: dict[str, Any], past: list[dict[str, Any]], future: list[dict[str, Any]]) -> None:
         self.scene.restore(_without_view(settings))
-        self._past, self._future = past, future
+        self._past, self._future, self._held = past, future, False  # what was held may be gone
         self._now, self._gesture = self.scene.settings(), _NONE
         self.param.update(can_undo=bool(past), can_redo=bool(future))
 

@@ -59,6 +59,18 @@ def test_all_that_is_dragged_at_once_is_undone_at_once_however_late_the_places_c
     assert not history.can_undo
 
 
+def test_what_is_undone_while_it_is_held_is_held_no_longer(history, clock):
+    scene = history.scene
+    history.hold(True)
+    scene.place((0.1, 0.2))
+    history.undo()  # the start that is dragged is gone: nobody tells that it is dropped
+    for tau in (0.02, 0.03):
+        clock.now += 3
+        scene.tau = tau
+    history.undo()
+    assert scene.tau == 0.02
+
+
 def test_what_was_undone_is_done_again_until_something_else_is_done(history, clock):
     scene, states = history.scene, [history.scene.settings()]
     for change in (("tau", 0.02), ("system", "kepler"), ("methods", ["rk4"])):
