@@ -32,6 +32,10 @@ BETWEEN_COLLECTIONS = 50_000
 """New objects after which the collector of garbage looks for cycles; each message makes one for each model of a page,
 so that with Python's default of 700 it would look several times a message."""
 
+BETWEEN_FULL_COLLECTIONS = 100
+"""Collections of the younger objects between two of all. One of all takes 1 s beside the pages of 25 people, who wait
+meanwhile; with Python's default of 10 it came each 15 s, and what it freed was some 200 objects a message."""
+
 
 def prepare() -> None:
     """Compute the first scene, and keep what there is by then: the collector of garbage stops all to go through it."""
@@ -39,7 +43,7 @@ def prepare() -> None:
     COVER.draw()
     declare_beside_once().join()
     gc.freeze()
-    gc.set_threshold(BETWEEN_COLLECTIONS)
+    gc.set_threshold(BETWEEN_COLLECTIONS, 10, BETWEEN_FULL_COLLECTIONS)
 
 
 if __name__ == "panel_setup_module":
