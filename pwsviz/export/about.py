@@ -31,6 +31,9 @@ FEW_DIGITS, ROUNDED = 6, 5
 IF_KNOWN = " where one is known"
 """With which the declaration of an integrator ends a clause on what it does with a conserved quantity."""
 
+WHERE = re.compile(r"(^|; )(g [<>] 0|region [^:]+): |^(?!g |region )()")
+"""What stands before each law in `equations`."""
+
 ORDINARY = {"Classical", "Composition", "Explicit"}
 """Words at the beginning of the declaration of an integrator that are no names."""
 
@@ -118,16 +121,23 @@ def caption(
     """
     parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, free=free, told=brief)
     values = f"; {values}" if (values := parts["parameters"]) else ""
-    sentences = [f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration")]
     system = scene.declaration
     surface = ", S = {g = 0}" if system.two_sided else ""
     count = system.laws.sides.shape[1]
     signs = f"; a region is named by the signs of {listed([f'g{k + 1}' for k in range(count)])}"
     signs *= not system.two_sided and count > 0
-    laws = f"{parts['equations']}{surface}{signs}" if len(parts["equations"]) <= LONGEST else OMITTED
+    laws = f"{WHERE.sub(_in_a_sentence, parts['equations'])}{surface}{signs}"
+    laws = laws if len(parts["equations"]) <= LONGEST else OMITTED
+    sentences = [f"{told[0].upper()}{told[1:]}." for told in (f"{laws}{values}", parts["starts"], parts["integration"])]
     methods = _methods(parts["integration"], known=system.laws.most_conserved > 0)
-    told = " ".join([f"{laws}{values}.", *sentences, *methods])
-    return f"{named(scene, heading)}: {printed(indexed(told))}"
+    return f"{named(scene, heading)}. {printed(indexed(' '.join([*sentences, *methods])))}"
+
+
+def _in_a_sentence(where: re.Match[str]) -> str:
+    """Return where a law holds, as words before it; of a law that holds everywhere, that it is the law."""
+    if not where[2]:
+        return "the law is "
+    return f"{where[1]}{'in' if where[2].startswith('region') else 'for'} {where[2]}: "
 
 
 def _methods(words: str, known: bool) -> list[str]:

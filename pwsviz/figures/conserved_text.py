@@ -59,18 +59,12 @@ def meaning(curves: Sequence[ErrorCurve], met: str) -> str:
     """Return what is drawn, in the sentences of a caption; `met` names what runs meet: crossings, jumps or both."""
     name, words = axis_name(curves), []
     if CHANGE_OF_PSI in name:
-        between = (
-            f", summed over the pieces of the run between {met}, on each of which the exact solution keeps ψ constant; "
-            f"changes that the system itself makes at {met} are excluded"
-        )
-        words.append(f"|Δψ| is the change of ψ since the start{between * any(len(one.crossings) for one in curves)}")
+        own = f", without the changes that the system itself makes at {met}"
+        words.append(f"|Δψ| is the change of ψ since the start{own * any(len(one.crossings) for one in curves)}")
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
-        largest_value = "largest value so far" if round_off_grows(curves[0]) else "largest value in the run"
-        words.append(
-            f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the {largest_value} of |ψ| + Σ |xₖ\u00a0∂ψ/∂xₖ|, the "
-            "size of ψ’s terms, summed over all variables xₖ; eps is the machine epsilon"
-        )
+        when = "so far" if round_off_grows(curves[0]) else "in the run"
+        words.append(f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}")
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
     return f"{'. '.join(words)}.{_about_marks(curves)}"

@@ -50,8 +50,7 @@ READOUT_STYLES: dict[str, str | None] = {
 OWN_LEVEL, ATTRACTS, REPELS = "ψ = ψ(trajectory)", "S attracts", "S repels"
 
 MEANINGS = {
-    OWN_LEVEL: f"“{OWN_LEVEL}”: the level sets of ψ on which the arcs of {{trajectory}} begin, the first "
-    f"{PIECES_WITH_LEVELS} at most",
+    OWN_LEVEL: f"“{OWN_LEVEL}”: level sets of ψ on which arcs of {{trajectory}} begin, at most {PIECES_WITH_LEVELS}",
     ATTRACTS: f"“{ATTRACTS}”: both fields point towards it",
     REPELS: f"“{REPELS}”: both fields point away from it",
 }

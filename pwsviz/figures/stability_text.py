@@ -61,7 +61,7 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     if part == "map":
         found = study.largest_tau is not None and bool(study.largest_tau.found.any())
         start = printed(f"{variable_name(study.coordinate_name)} = {study.x0[study.coordinate]:.6g}")
-        lines = f", each line holds for {start}" * found
+        lines = f", the lines hold for {start}" * found
         return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}{lines}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
@@ -76,8 +76,7 @@ def _grid(study: core.StabilityStudy) -> str:
     taus, values = study.map.taus, study.map.values
     varied = variable_name(study.coordinate_name)
     across, up = f"τ from {taus[0]:.3g} to {taus[-1]:.3g}", f"from {values[0]:.4g} to {values[-1]:.4g}"
-    start = ", ".join(varied if k == study.coordinate else f"{x:.6g}" for k, x in enumerate(study.x0))
-    name = f"initial states ({start}) with {varied} {up}"
+    name = f"{varied} at the start {up}"
     drawn = study.largest_tau is not None and bool(study.largest_tau.found.any())
     until = _until(study, study.largest_tau) if study.largest_tau is not None else ""
     lines = f"The lines “largest successful τ” hold for the chosen start only, {until}. " * drawn

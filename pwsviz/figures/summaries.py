@@ -102,20 +102,24 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
     """
     if not math.isfinite(study.times[-1]):
         return ""
-    counted = listed([str(k) for k in study.crossings])
+    counted = numbered_crossings(study.crossings)
     if states:
         first, *later = (f"{t:.4g}" for t in study.times)
         words = (
             f"‖x − x*‖₂ is the Euclidean norm of the difference from the reference x*, at t = {first}, halfway to the "
-            f"first crossing (“before”), and at t = {listed(later)}, halfway between crossings {counted} and those "
-            "that follow (“after”)"
+            f"first crossing (“before”), and at t = {listed(later)}, halfway from {counted} to the next (“after”)"
         )
     else:
         words = (
-            f"t* is the time of a crossing by the reference, t̂ that by the run, for crossing {counted} of runs to "
+            f"t* is the time of a crossing by the reference, t̂ that by the run, for {counted} of runs to "
             f"t = {study.times[-1]:.4g}"
         )
     return words + "; the beginning and the end of sliding count as crossings" * slides + "."
+
+
+def numbered_crossings(crossings: Sequence[int]) -> str:
+    """Return “crossing 1”, or “crossings 10, 20 and 30”."""
+    return f"crossing{'s' * (len(crossings) > 1)} {listed([str(k) for k in crossings])}"
 
 
 def fit_rule(shown: Sequence[Studied]) -> str:
@@ -125,11 +129,11 @@ def fit_rule(shown: Sequence[Studied]) -> str:
     for name, row in drawn:
         if not math.isfinite(row.slope):
             without.setdefault(_why_no_slope(row), []).append(name)
-    between, limits_are = _bounds(shown)
+    between = _bounds(shown)
     if [len(drawn)] == [len(names) for names in without.values()]:
         (why,) = without
-        return f"No slope is fitted, as {why}" + f" {between}. {limits_are}" * (why == _TOO_FEW)
-    fitted = [f"Slopes are least-squares fits to errors {between}{_reach(shown)}", limits_are]
+        return f"No slope is fitted, as {why}" + f" {between}" * (why == _TOO_FEW)
+    fitted = [f"Slopes are least-squares fits to errors {between}{_reach(shown)}"]
     fitted += [_IRREGULAR] * any("±" in row.slope_text for _, row in drawn)
     reasons = [(names, why + " between these limits" * (why == _TOO_FEW)) for why, names in without.items()]
     unfitted = [f"No slope is fitted {listed(names)}, as {why}" for names, why in reasons]
@@ -164,7 +168,7 @@ def _why_no_slope(row: Row) -> str:
     return _TOO_FEW if any(map(math.isfinite, row.error)) else "no error is known"
 
 
-def _bounds(shown: Sequence[Studied]) -> tuple[str, str]:
+def _bounds(shown: Sequence[Studied]) -> str:
     """Return between which errors a fit is made, and what these limits are; the lower may differ between curves."""
     rows = [row for one in shown for row in one.rows]
     found, below = limits(shown), rounded(min(row.fit_below for row in rows))
@@ -172,13 +176,11 @@ def _bounds(shown: Sequence[Studied]) -> tuple[str, str]:
     upper = f"the larger of {size} and {FIT_BELOW:g}" if any(map(_of_time, rows)) else f"{size} at these times"
     lower = f"{FIT_ABOVE:g} times the larger of accumulated round-off and the error of the reference"
     if found is None:
-        return f"below {below}", f"The limit is {upper}"
+        return f"below {below} ({upper})"
     if found[0].fit_above == found[1].fit_above:
-        limits_are = f"The lower limit is {lower}; the upper is {upper}"
-        return f"between {rounded(found[0].fit_above)} and {below}", limits_are
+        return f"between {rounded(found[0].fit_above)} ({lower}) and {below} ({upper})"
     least, greatest = (f"{rounded(row.fit_above)} {_where(row)}" for row in found)
-    limits_are = f"The lower limit, from {least} to {greatest}, is {lower}; the upper is {upper}"
-    return f"between a lower limit and {below}", limits_are
+    return f"between {lower} ({least} to {greatest}) and {below} ({upper})"
 
 
 def _where(row: Row) -> str:

@@ -25,7 +25,7 @@ from pwsviz.figures.order import (
     studied,
     time_rows,
 )
-from pwsviz.figures.summaries import fit_rule, slopes_text, study_text, study_times
+from pwsviz.figures.summaries import fit_rule, numbered_crossings, slopes_text, study_text, study_times
 from pwsviz.results.requests import StudyInputs, study_inputs
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.names import met_at_surfaces
@@ -144,8 +144,8 @@ class OrderTab(LongTab):
         )
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
-        if self._rows is state_rows:
-            taus += f", before the first crossing and after crossing {listed([str(k) for k in first.crossings])}"
+        at = "before the first crossing and after" if self._rows is state_rows else "at"
+        taus += f", compared {at} {numbered_crossings(first.crossings)}"
         rule = f"{self._times(outcome)} {fit_rule(studied(outcome, self._rows))}".lstrip()
         return f"integrated by {methods} with {taus}; {crossings}; reference: {first.reference}. {rule}"
 

@@ -42,7 +42,7 @@ def test_a_caption_names_all_regions_with_the_rate_of_every_variable(system):
         assert all(f"{variable}′ = " in told for variable in names)
         assert told.count("ψ") == len(law.psi)
     told = caption(scene_of(system), "Phase portrait")
-    assert told.startswith(f"Phase portrait of the system “{system.name}”: ")
+    assert told.startswith(f"Phase portrait of the system “{system.name}”. ")
     assert len(told) < 1000, "no more than the figure"
 
 
@@ -54,10 +54,12 @@ def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
     assert equations(core.CATALOGUE["henon_heiles"])[0].startswith("x′ = u, ")
     told = caption(scene_of(core.CATALOGUE["three_bodies"]), "Order")
     assert (
-        "two of them hard”: its equations are in the TEX, CSV and NPZ files; D = 0.6, ε = 0.5. Initial state (x₁, y₁, "
+        "two of them hard”. Its equations are in the TEX, CSV and NPZ files; D = 0.6, ε = 0.5. Initial state (x₁, y₁, "
         in told
     )
-    assert "g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
+    assert "; for g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
+    assert "”. The law is x′ = u, " in caption(scene_of(core.CATALOGUE["henon_heiles"]), "Order")
+    assert "”. In region −−: x′ = " in caption(scene_of(core.CATALOGUE["chua"]), "Order")
 
 
 @every_system
@@ -171,4 +173,4 @@ def test_a_caption_has_numbers_as_fields_show_them_and_files_have_all_digits():
 def test_a_caption_says_what_s_is_and_leaves_a_typed_name_as_it_is():
     assert ", S = {g = 0};" in caption(Scene(), "Phase portrait")
     system = core.PiecewiseSystem("my “x1” - 1e-3", ("x", "y"), ("1", "0"), ("1", "0"), "x", x0=(1.0, 0.0))
-    assert caption(scene_of(system), "Order", how="a study").startswith("Order of the system “my ‘x1’ - 1e-3”: ")
+    assert caption(scene_of(system), "Order", how="a study").startswith("Order of the system “my ‘x1’ - 1e-3”. ")

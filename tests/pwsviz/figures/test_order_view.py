@@ -157,19 +157,17 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
     flat = Row("after", "after", np.linspace(8e-12, 1e-11, 6), np.nan, (np.nan, np.nan))
     exact = core.order_study(core.CATALOGUE["harmonic_oscillator"], taus, crossings=(1,))
     later = state_rows(exact)[1]
-    meaning = (
-        ". The lower limit is 50 times the larger of accumulated round-off and the error of the reference; the upper "
-        "is 0.3 times the largest |xₖ| of the reference at these times."
-    )
+    lower = "(50 times the larger of accumulated round-off and the error of the reference)"
+    upper = "(0.3 times the largest |xₖ| of the reference at these times)"
     for row, words in (
         (
             replace(flat, fit_above=3.5e-11, fit_below=0.7),
-            f"errors lie between 3.5×10⁻¹¹ and 0.7{meaning}",
+            f"errors lie between 3.5×10⁻¹¹ {lower} and 0.7 {upper}.",
         ),
-        (later, f"fits to errors between {rounded(later.fit_above)} and {rounded(exact.fit_below)}{meaning}"),
+        (later, f"to errors between {rounded(later.fit_above)} {lower} and {rounded(exact.fit_below)} {upper}."),
         (
             replace(later, window=(later.window[0], float(taus[2]))),
-            f", up to the step size at which the local slope changes{meaning}",
+            f"{upper}, up to the step size at which the local slope changes.",
         ),
     ):
         view, (shown,) = OrderView("error"), studied([exact], lambda _, row=row: [row])
@@ -192,8 +190,8 @@ def test_where_round_off_grows_the_least_and_the_greatest_limit_of_a_fit_are_tol
         assert view.floor.names.args["names"] == marked
         greatest = names[int(np.argmax(above))]
         told = study_text([shown], early=False)
-        assert "fits to errors between a lower limit and " in told
-        assert f"The lower limit, from {rounded(min(above))} before to {rounded(max(above))} {greatest}, is 50" in told
+        assert "fits to errors between 50 times the larger of accumulated round-off and the error of the ref" in told
+        assert f" ({rounded(min(above))} before to {rounded(max(above))} {greatest}) and " in told
 
 
 def test_why_a_curve_has_no_slope_is_said_of_each_reason():

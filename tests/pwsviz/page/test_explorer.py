@@ -538,7 +538,7 @@ def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
     last = explorer.view.outcome[0].times[-1]
     told = explorer.view.words.object
     assert last > explorer.scene.t_end
-    assert f" and {last:.4g}, halfway between crossings 10, 20 and 30 and those that follow (“after”)" in told
+    assert f" and {last:.4g}, halfway from crossings 10, 20 and 30 to the next (“after”)" in told
     assert "The end time has no effect here." in told
     assert "page" not in explorer.view.how(explorer.view.outcome)
     assert "the beginning and the end of sliding count as crossings" in told
@@ -565,7 +565,7 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
         changes = np.count_nonzero(np.diff(curve.sliding[1:]))
         assert changes
         assert len(xs) == len(ys) == len(curve.t) - 1 + changes
-    assert "round-off” is 2 × 2⁻⁵² times the largest value in the run of |ψ| + Σ" in explorer._pieces()[1].meaning
+    assert "round-off” is 2 × 2⁻⁵² times the largest |ψ| + Σ" in explorer._pieces()[1].meaning
     explorer.scene.load({"system": "stick_slip", "view": "conserved"})
     explorer.scene.view = "conserved"
     explorer.settle(20)
