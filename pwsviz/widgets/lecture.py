@@ -11,8 +11,8 @@ KEY = "l"
 LARGER = 1.5
 """Factor of the size of all type, and in figures of the lines and marks."""
 
-REST = "7.6rem"
-"""CSS height that a figure leaves free on the screen, for the header and the player; what is told is below it."""
+REST = "8.4rem"
+"""CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
 LOOK_AGAIN = 400
 """Milliseconds between looks for figures that have come since."""
