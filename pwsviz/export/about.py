@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import PackageNotFoundError, version
 
 import core
@@ -21,7 +21,7 @@ __all__ = ["about", "brief", "caption", "named", "release"]
 LONGEST = 400
 """Characters of equations in a caption, about five lines of a page; longer ones are left out."""
 
-OMITTED = "its equations are in the TEX, CSV and NPZ files"
+OMITTED = "the equations are given in the text"
 """What a caption says in place of longer equations."""
 
 
@@ -31,8 +31,8 @@ FEW_DIGITS, ROUNDED = 6, 5
 IF_KNOWN = " where one is known"
 """With which the declaration of an integrator ends a clause on what it does with a conserved quantity."""
 
-WHERE = re.compile(r"(^|; )(g [<>] 0|region [^:]+): |^(?!g |region )()")
-"""What stands before each law in `equations`."""
+WHERE = re.compile("(g [<>] 0|region [^:]+): ")
+"""What stands before a law in `equations`, unless it holds on both sides."""
 
 ORDINARY = {"Classical", "Composition", "Explicit"}
 """Words at the beginning of the declaration of an integrator that are no names."""
@@ -126,18 +126,21 @@ def caption(
     count = system.laws.sides.shape[1]
     signs = f"; a region is named by the signs of {listed([f'g{k + 1}' for k in range(count)])}"
     signs *= not system.two_sided and count > 0
-    laws = f"{WHERE.sub(_in_a_sentence, parts['equations'])}{surface}{signs}"
+    laws = f"{'; '.join(_in_a_sentence(parts['equations'].split('; ')))}{surface}{signs}"
     laws = laws if len(parts["equations"]) <= LONGEST else OMITTED
     sentences = [f"{told[0].upper()}{told[1:]}." for told in (f"{laws}{values}", parts["starts"], parts["integration"])]
     methods = _methods(parts["integration"], known=system.laws.most_conserved > 0)
     return f"{named(scene, heading)}. {printed(indexed(' '.join([*sentences, *methods])))}"
 
 
-def _in_a_sentence(where: re.Match[str]) -> str:
-    """Return where a law holds, as words before it; of a law that holds everywhere, that it is the law."""
-    if not where[2]:
-        return "the law is "
-    return f"{where[1]}{'in' if where[2].startswith('region') else 'for'} {where[2]}: "
+def _in_a_sentence(equations: Sequence[str]) -> Iterator[str]:
+    """Yield the parts of `equations` as those of a sentence: “for g < 0: x′ = 2y, conserving ψ₋ = …”."""
+    if not WHERE.match(equations[0]):
+        equations = [f"the law is {equations[0]}", *equations[1:]]
+    for one in equations:
+        where = WHERE.match(one)
+        before = f"{'in' if one.startswith('region') else 'for'} " if where else ""
+        yield f"{before}{one.replace(', ψ', ', conserving ψ', 1)}"
 
 
 def _methods(words: str, known: bool) -> list[str]:
@@ -150,8 +153,8 @@ def _methods(words: str, known: bool) -> list[str]:
         if re.search(rf"\b{name}\b", " ".join([words, *said])):
             first, *more = re.split("[:;] ", method.doc.rstrip("."))
             more = [one.removesuffix(IF_KNOWN) for one in more if known and one.endswith(IF_KNOWN)]
-            said.insert(0, f"{name}: {', '.join([_within_a_sentence(first), *more])}")
-    return [f"{'; '.join(said)}."] if said else []
+            said.insert(0, f"{name}, {', '.join([_within_a_sentence(first), *more])}")
+    return [f"Integrator{'s' * (len(said) > 1)}: {'; '.join(said)}."] if said else []
 
 
 def _within_a_sentence(words: str) -> str:

@@ -31,13 +31,14 @@ def endings(runs: Sequence[DrawnRun]) -> str:
         first, last = (f"{time:.6g}" for time in (min(times), max(times)))
         when = f"at t = {first}" if first == last else f"between t = {first} and {last}"
         which = "all" if len(early) == len(runs) else f"{len(early)} of the"
-        return printed(f"{which} {len(runs)} runs ended earlier, {when}")
+        return printed(f"but {which} {len(runs)} runs ended earlier, {when}")
     several = len({one.start for one in runs}) > 1
     alike: dict[str, list[str]] = {}
     for one in early:
         start = f" from start {one.start}" if several else ""
         alike.setdefault(_ending(one), []).append(f"{one.run.method}{start}")
-    return "; ".join(printed(f"{listed(names)} ended {words}") for words, names in alike.items())
+    told = "; ".join(printed(f"{listed(names)} ended {words}") for words, names in alike.items())
+    return f"but {told}" if told else ""
 
 
 def _ending(one: DrawnRun) -> str:

@@ -13,6 +13,7 @@ const RULE = "#e2e2e2"
 export const SMALL = TEXT - 1  // of labels and captions
 const ON_PAGE = 12  // pixels of names within a frame on the page; smaller ones are parts of marks, and have as many in print
 const PASSES = 3  // layouts, each of which knows the one before: titles in lines, then the room beside them, then all
+const VEIL = 0.8  // opacity of the ground of names within a frame
 const RIM = 3  // pixels inside of a frame that are free of names
 const SPARE = 8  // pixels beside a text, where another may begin
 const LINE = 1.3  // height of a line of text, in heights of its letters
@@ -47,10 +48,12 @@ const width_of = (words, size) => {
 // a longer sum breaks after a sign.
 const BETWEEN_WORDS = /(?<![=<>≤≥≈×])(?<!\b(?:order|region))(?<!(?<![^ (“])[Aa])(?<!\([^()]{0,60},)(?<!\([^() ]+ [+−]?) (?![=<>≤≥≈]|[+−×] )/
 
-// The lines of a text, broken between words (or at other separators) where it would be wider than a number of pixels.
+// The lines of a text, broken between words (or at other separators) where it would be wider than a number of pixels; what is
+// too wide without such a place is broken at any space.
 export const wrapped = (words, width, size, between = BETWEEN_WORDS) => {
   const lines = []
-  for (const word of words.split(between).filter(Boolean)) {
+  const whole = words.split(between).filter(Boolean)
+  for (const word of whole.flatMap(one => width_of(one, size) > width ? one.split(" ") : [one])) {
     const longer = lines.length > 0 ? `${lines.at(-1)} ${word}` : word
     if (lines.length > 0 && width_of(longer, size) <= width) lines[lines.length - 1] = longer
     else lines.push(word)
@@ -160,7 +163,10 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
   const ranges = [range(model.x_range), range(model.y_range)], [left, right] = [seen.left + inset, seen.right + inset]
   const frame = { width: Math.round(width - left - right), height: Math.round(height) }
-  const letters = { text_font: { value: FONT }, text_font_size: { value: `${SMALL}px` } }
+  const letters = {
+    text_font: { value: FONT }, text_font_size: { value: `${SMALL}px` },
+    background_fill_color: { value: PAPER }, background_fill_alpha: { value: VEIL },  // arrows and curves end there
+  }
   const named = await with_names_placed(model.renderers, ranges, frame, letters)
   const logarithmic = [model.x_scale, model.y_scale].map(({ type }) => type == "LogScale")
   const { renderers, keys } = printed ? with_markers(named, ranges, logarithmic, frame) : { renderers: named, keys: new Map() }

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.error_curve import ROUND_OFF, ErrorCurve
 from pwsviz.text.numbers import printed
-from pwsviz.text.words import rounded, rounded_up
+from pwsviz.text.words import rounded, rounded_up, whose_marks
 
 __all__ = [
     "CEILING", "MOST_BANDS", "TELLABLE", "axis_name", "conserved_text", "largest", "meaning", "round_off_grows",
@@ -91,7 +91,7 @@ def _about_marks(curves: Sequence[ErrorCurve]) -> str:
     if many > MOST_BANDS:
         whose = f" of {first.method}" * (len(curves) > 1)
         return f" The {many:,} crossings{whose} are too dense to mark; the sides are not shaded."
-    return f" Crossings, jumps and shading shown are those of {first.method}." * (len(curves) > 1)
+    return f" {whose_marks([curve.method for curve in curves])}".rstrip()
 
 
 def _change(curve: ErrorCurve) -> str:

@@ -89,6 +89,17 @@ def settings_text(study: core.WorkPrecision) -> str:
     return "; ".join(ranges)
 
 
+def missing_text(study: core.WorkPrecision) -> str:
+    """Say which runs have no point, and why: “no point: rk2 with τ = 0.2 (…)”; empty if all have."""
+    without = [
+        f"{curve.title} with {setting_text(curve, int(k))} ({curve.status[k]})"
+        for curve in study.curves
+        for k in np.flatnonzero(~np.isfinite(curve.seconds))
+        if curve.status[k] not in (WAITING, CANCELLED)
+    ]
+    return f"; no point: {listed(without)}" * bool(without)
+
+
 def cost_words(cost: float, across: Across) -> str:
     """Return a cost with its unit."""
     return duration(cost) if across == "seconds" else plural(round(cost), "evaluation")

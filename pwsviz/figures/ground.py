@@ -125,7 +125,7 @@ class Ground:
         entries = zip(names, self._line_entries, strict=True)
         shown = [MEANINGS[name] for name, entry in entries if entry.visible and name in MEANINGS]
         if self._bare_entry.visible and NO_LAW in str(self._bare_entry.label):
-            shown.append(f"hatched, “{NO_LAW}”: a region in which the system is not defined")
+            shown.append(f"“{NO_LAW}”: a region in which the system is not defined")
         return f"{'; '.join(shown)}.".format(trajectory=trajectory) if shown else ""
 
     def follow(self, entries: list[LegendItem], marks: list[ColumnDataSource], curves: list[ColumnDataSource]) -> None:

@@ -340,6 +340,12 @@ class PortraitView:
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._pictures = pictures
 
+    @property
+    def joins_jumps(self) -> bool:
+        """Whether lines join states before and after jumps: not where jumps leave the drawn coordinates alone."""
+        x, y = (np.asarray(self.jumps.data[name], dtype=float) for name in "xy")
+        return bool((np.hypot(np.diff(x), np.diff(y)) > 0).any())
+
     def show_ground(
         self, system: core.PiecewiseSystem, backdrop: Backdrop, window: Window, starts: Sequence[tuple[float, float]]
     ) -> None:

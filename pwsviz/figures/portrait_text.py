@@ -155,17 +155,22 @@ def _kept_together(law: str) -> str:
     return " ".join(one.replace(" ", "\N{NO-BREAK SPACE}") if len(one) <= UNBROKEN else one for one in each)
 
 
-def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
-    """Return in words what the portrait leaves out or shows at t = 0 only; empty if that is nothing."""
+def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = False) -> str:
+    """Return in words what the portrait leaves out or shows at t = 0 only; empty if that is nothing.
+
+    On the page, but not in a `caption`, this tells also how to select the plane, and that the surface moves.
+    """
     sentences = []
     if system.dimension > PLANE:
         sentences.append(_projection(system, axes))
+        sentences += ["“Portrait in the plane of” selects the plane."] * (not caption)
     elif not system.laws.sides.shape[1]:
         sentences.append("Regions overlap, as a state may lie in more than one: their fields are not drawn.")
     elif not is_divided(system):
         sentences.append("The surfaces move, and the regions between them: their fields and level sets are not drawn.")
     if moves(system) and shows_surface(system, axes):
-        sentences.append("The surface moves with time: it is drawn at t = 0, and while animated at the time shown.")
+        animated = ", and while animated at the time shown" * (not caption)
+        sentences.append(f"The surface moves with time: it is drawn at t = 0{animated}.")
     elif forced(system) and system.dimension == PLANE:
         sentences.append("The field depends on time: it is drawn at t = 0.")
     if system.dimension == PLANE and psi_names_time(system):
@@ -184,7 +189,7 @@ def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
     words = f"Projection onto the plane of {plane}, in which {listed(lost)} cannot be drawn."
     if alike:
         words += f" Thin lines show {'; '.join(alike)}, and discs where they start; marks refer to {plane}."
-    return f"{words} “Portrait in the plane of” selects the plane."
+    return words
 
 
 def _named_plane(system: core.PiecewiseSystem, axes: Axes) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -41,17 +42,23 @@ def section_text(outcome: SectionPoints) -> str:
     after = reset_words(inputs.problem.declaration, inputs.of)
     whose = f" of {len(counts)} starts" if len(counts) > 1 else ""
     words = [f"{plural(sum(counts), 'point')}{whose} on {surface_words(inputs)}{after}."]
+    words += [*_short_ones(outcome), prospects(inputs.problem.declaration)]
+    return " ".join(filter(None, words))
+
+
+def _short_ones(outcome: SectionPoints) -> Iterator[str]:
+    """Yield which starts have all points requested, if others do not, and when and why the runs of these ended."""
+    counts, points = outcome.counts, outcome.inputs.points
     short: dict[tuple[str, bool], list[int]] = {}
     for k in outcome.short:
         if (status := outcome.statuses[k]) is not None:
             reason = _AT_REST if k in outcome.at_rest else on_page(status.reason)
             short.setdefault((reason, counts[k] > 0), []).append(k)
-    whole = sum(count == inputs.points for count in counts)
+    whole = sum(count == points for count in counts)
     if short and whole:
-        words.append(f"{_number(whole)} all {inputs.points:,}.")
-    words += [_ended(outcome, reason, which) for (reason, _), which in short.items()]
-    words.append(prospects(inputs.problem.declaration))
-    return " ".join(filter(None, words))
+        yield f"{_number(whole)} all {points:,}."
+    for (reason, _), which in short.items():
+        yield _ended(outcome, reason, which)
 
 
 def _number(count: int) -> str:
@@ -83,11 +90,12 @@ def section_how(outcome: SectionPoints) -> str:
     step = f"tolerance {inputs.scheme.tolerance:.3g}" if adaptive else f"step size τ = {inputs.tau:.15g}"
     left = f", after the first {inputs.discard:,} are discarded" if inputs.discard else ""
     after = reset_words(inputs.problem.declaration, inputs.of)
-    points = f"at most {plural(inputs.points, 'point')} of each start{left}"
+    each = " of each start" * (len(outcome.statuses) > 1)
+    points = f"at most {plural(inputs.points, 'point')}{each}{left}"
     system = inputs.problem.declaration
     crossings = at_surface(met_at_surfaces(system), inputs.scheme.locate, inputs.scheme.slide and may_slide(system))
     by = f"integrated by {inputs.scheme.method} with {step}; {crossings}"
-    return f"points on {surface_words(inputs)}{after}: {points}; {by}"
+    return " ".join([f"points on {surface_words(inputs)}{after}: {points}; {by}.", *_short_ones(outcome)]).rstrip(".")
 
 
 def section_rows(outcome: SectionPoints) -> dict[str, NDArray[Any]]:

@@ -17,7 +17,7 @@ from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import listed, plural, rounded_up
 
-__all__ = ["runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
+__all__ = ["draws_lines", "runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
 
 UNKNOWN = "–"
 """In place of a number that is not known, or that there is not."""
@@ -38,16 +38,19 @@ def wrong_number(grazing: Grazing) -> str:
 # Words ---------------------------------------------------------------------------------------------------------------
 
 
-def stability_text(study: core.StabilityStudy, part: str) -> str:
+def stability_text(study: core.StabilityStudy, part: str, caption: bool = False) -> str:
     """Return in words what one part of a study is; its figures are in `stability_numbers`.
 
     Parameters
     ----------
     part
         "map" (which includes the largest step sizes), "drift" or "grazing".
+    caption
+        Whether it follows `runs_drawn`, which says already for which start the lines of a map hold.
     """
     if part == "map" and (study.map is not None or study.largest_tau is not None):
-        return f"{_grid(study)}{_ends_early(study)}{_never_cross(study)}Reference for the crossings: {study.reference}."
+        words = f"{_grid(study, not caption)}{_ends_early(study)}{_never_cross(study)}"
+        return f"{words}Reference for the crossings: {study.reference}."
     if part == "drift" and study.drift is not None:
         return _drift_words(study.drift)
     if part == "grazing" and study.grazing is not None:
@@ -59,9 +62,8 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     """Return integrators, time and starts of the runs in one part of a study; `method` is that of the map."""
     methods = listed(study.methods)
     if part == "map":
-        found = study.largest_tau is not None and bool(study.largest_tau.found.any())
         start = printed(f"{variable_name(study.coordinate_name)} = {study.x0[study.coordinate]:.6g}")
-        lines = f", the lines hold for {start}" * found
+        lines = f", the lines hold for {start}" * draws_lines(study)
         return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}{lines}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
@@ -69,7 +71,12 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     return f"integrated by {methods}"
 
 
-def _grid(study: core.StabilityStudy) -> str:
+def draws_lines(study: core.StabilityStudy) -> bool:
+    """Whether there are lines of largest step sizes in the map."""
+    return study.largest_tau is not None and bool(study.largest_tau.found.any())
+
+
+def _grid(study: core.StabilityStudy, lines_too: bool) -> str:
     """Say of which runs the map consists, and for which start its lines hold; empty while there is no map."""
     if study.map is None:
         return ""
@@ -77,7 +84,7 @@ def _grid(study: core.StabilityStudy) -> str:
     varied = variable_name(study.coordinate_name)
     across, up = f"τ from {taus[0]:.3g} to {taus[-1]:.3g}", f"from {values[0]:.4g} to {values[-1]:.4g}"
     name = f"{varied} at the start {up}"
-    drawn = study.largest_tau is not None and bool(study.largest_tau.found.any())
+    drawn = lines_too and draws_lines(study)
     until = _until(study, study.largest_tau) if study.largest_tau is not None else ""
     lines = f"The lines “largest successful τ” hold for the chosen start only, {until}. " * drawn
     return f"{len(taus)} × {len(values)} values: {across}, {name}. {lines}"

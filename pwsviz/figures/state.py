@@ -40,6 +40,7 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.results.states import StateCurves
 from pwsviz.text.math_names import variable_name
+from pwsviz.text.words import whose_marks
 
 MOST_PANELS = 6
 """Most coordinates that are drawn: more panels would be too flat."""
@@ -250,7 +251,7 @@ def state_text(names: Sequence[str], runs: Sequence[StateCurves], crossings: int
     ranges = [_told(name, runs, k) for k, name in enumerate(names[:MOST_PANELS])]
     off = " Its last part runs off." if first.runs_off else ""
     more = f" Drawn are the first {MOST_PANELS} of {len(names)} coordinates." if len(names) > MOST_PANELS else ""
-    marks = f" {whose_marks(runs)}".rstrip() + _how_many(crossings)
+    marks = f" {whose_marks([run.method for run in runs])}".rstrip() + _how_many(crossings)
     return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges)}.{off}{more}{marks}"
 
 
@@ -271,11 +272,6 @@ def _told(name: str, runs: Sequence[StateCurves], k: int) -> str:
     if below:
         return f"{name} up to {high:.4g}, drawn down to {name} = {low:.4g}"
     return f"{name} from {low:.4g}{f', drawn up to {name} =' if above else ' to'} {high:.4g}"
-
-
-def whose_marks(runs: Sequence[StateCurves]) -> str:
-    """Say whose marks and shades are shown, where there are several runs."""
-    return f"Crossings, jumps and shading shown are those of {runs[0].method}." if len(runs) > 1 else ""
 
 
 def _how_many(crossings: int) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 
 import core
@@ -90,7 +90,7 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
     return words
 
 
-def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
+def study_times(study: core.OrderStudy, states: bool, slides: bool, met: str = "crossings") -> str:
     """Return at which times an order study compares, and what it counts as crossings; empty before that is known.
 
     Parameters
@@ -99,6 +99,8 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
         Whether states are compared, or else times of crossings.
     slides
         Whether the trajectory slides.
+    met
+        What it meets: crossings, jumps or both.
     """
     if not math.isfinite(study.times[-1]):
         return ""
@@ -114,7 +116,8 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
             f"t* is the time of a crossing by the reference, t̂ that by the run, for {counted} of runs to "
             f"t = {study.times[-1]:.4g}"
         )
-    return words + "; the beginning and the end of sliding count as crossings" * slides + "."
+    counted_too = ["jumps"] * ("jumps" in met) + ["the beginning and the end of sliding"] * slides
+    return words + f"; {listed(counted_too)} count as crossings" * bool(counted_too) + "."
 
 
 def numbered_crossings(crossings: Sequence[int]) -> str:
@@ -132,13 +135,22 @@ def fit_rule(shown: Sequence[Studied]) -> str:
     between = _bounds(shown)
     if [len(drawn)] == [len(names) for names in without.values()]:
         (why,) = without
-        return f"No slope is fitted, as {why}" + f" {between}" * (why == _TOO_FEW)
+        none = f"No slope is fitted, as {why}" + f" {between}" * (why == _TOO_FEW)
+        return ". ".join([none, *_not_drawn(drawn)])
     fitted = [f"Slopes are least-squares fits to errors {between}{_reach(shown)}"]
     fitted += [_IRREGULAR] * any("±" in row.slope_text for _, row in drawn)
     reasons = [(names, why + " between these limits" * (why == _TOO_FEW)) for why, names in without.items()]
     unfitted = [f"No slope is fitted {listed(names)}, as {why}" for names, why in reasons]
-    gaps = any(not math.isfinite(error) for _, row in drawn for error in row.error)
-    return ". ".join([*fitted, *unfitted, *[_GAPS] * gaps])
+    return ". ".join([*fitted, *unfitted, *_not_drawn(drawn)])
+
+
+def _not_drawn(drawn: Sequence[tuple[str, Row]]) -> Iterator[str]:
+    """Yield why points or curves are missing, if some are."""
+    exact = [name for name, row in drawn if all(error == 0 for error in row.error)]
+    if exact:
+        yield f"The error {listed(exact)} is 0, and not drawn"
+    if any(not math.isfinite(error) for _, row in drawn for error in row.error):
+        yield _GAPS
 
 
 _IRREGULAR = "Where the local slope is irregular, all errors between the limits are fitted; ± is the standard error"

@@ -164,16 +164,8 @@ def surface_words(inputs: SweepInputs) -> str:
     return name + {0: "", 1: f" at which {g} increases", -1: f" at which {g} decreases"}[inputs.direction]
 
 
-def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
-    """Return how a diagram was made, for files and captions.
-
-    Parameters
-    ----------
-    inputs
-        What the diagram was made of.
-    present
-        Value of the parameter on the page, which the dashed line marks if it lies in the diagram.
-    """
+def sweep_how(inputs: SweepInputs) -> str:
+    """Return how a diagram was made, for files and captions."""
     scheme, name, system = inputs.scheme, parameter_name(inputs), inputs.problem.declaration
     slides = scheme.slide and may_slide(system)
     crossings = at_surface(met_at_surfaces(system), scheme.locate, slides)
@@ -185,13 +177,12 @@ def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
     }[inputs.continuation]
     left = f", after the first {inputs.discard:,} are discarded" if inputs.discard else ""
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
-    line = f"; the dashed line is {name} = {present:.15g}" if inputs.low <= present <= inputs.high else ""
     return printed(
         f"shown is {coordinate_name(inputs)} at crossings of "
         f"{surface_words(inputs)}{reset_words(system, inputs.of)}{sliding}, for {inputs.values:,} values of {name} "
-        f"from {inputs.low:.15g} to {inputs.high:.15g}: at most {plural(inputs.points, 'point')} of each{left}, up to "
+        f"from {inputs.low:.15g} to {inputs.high:.15g}: at most {plural(inputs.points, 'point')} for each{left}, up to "
         f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}; "
-        f"{crossings}{line}"
+        f"{crossings}"
     )
 
 

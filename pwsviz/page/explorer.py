@@ -16,6 +16,7 @@ from pwsviz.editor.form import SystemEditor
 from pwsviz.export.endings import endings
 from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.linking import link_portrait
+from pwsviz.figures.portrait_text import portrait_note
 from pwsviz.page.cover import Cover
 from pwsviz.page.export_dialog import NOT_YET, ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
@@ -304,8 +305,9 @@ class Explorer(pn.viewable.Viewer):
             means = panel.portrait.ground.meaning(
                 "the trajectory" + f" from initial state {self.scene.selected + 1}" * several
             )
-            if any((one.run.crossings.kind == "jump").any() for one in runs):
-                means = f"{means} Dotted lines join the states before and after jumps.".strip()
+            joined = "Dotted lines join the states before and after jumps." * panel.portrait.joins_jumps
+            note = portrait_note(self.scene.declaration, shown.axes, caption=True)
+            means = " ".join(filter(None, [means, joined, note]))
             pieces = [Piece("Phase portrait", tables, drawn, slid=slid, meaning=means, endings=endings(runs))]
         if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
             return [*pieces, Piece(title, {}, [], lack=NOT_YET)]

@@ -12,7 +12,7 @@ import core
 from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
 from pwsviz.figures.cost import MEANING, CostView, compared_with, cost_numbers, cost_rows, cost_text, timed_how
-from pwsviz.figures.cost_text import settings_text, shows_round_off
+from pwsviz.figures.cost_text import missing_text, settings_text, shows_round_off
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS, met_at_surfaces
 from pwsviz.tabs.base import LongTab, about_crossings
@@ -83,7 +83,7 @@ class CostTab(LongTab):
         peers = [curve.title for curve in outcome.curves if curve.peer]
         verbs = ("locates", "restarts") if len(peers) == 1 else ("locate", "restart")
         crossings += f"; {listed(peers)} {verbs[0]} them as events and {verbs[1]} there" * bool(peers)
-        runs = f"{by}; {settings_text(outcome)}; {crossings}"
+        runs = f"{by}; {settings_text(outcome)}{missing_text(outcome)}; {crossings}"
         return f"{runs}. {timed_how(outcome)}"
 
     def heading(self, outcome: core.WorkPrecision) -> str:

@@ -18,7 +18,6 @@ from pwsviz.figures.order import (
     TIME_ERROR,
     OrderView,
     Rows,
-    guide_slopes,
     order_numbers,
     order_tables,
     state_rows,
@@ -105,7 +104,7 @@ class OrderTab(LongTab):
         return " ".join(filter(None, [words, moved, times]))
 
     def _times(self, outcome: Studies) -> str:
-        return study_times(outcome[0], self._rows is state_rows, self.slid)
+        return study_times(outcome[0], self._rows is state_rows, self.slid, met_at_surfaces(self.scene.declaration))
 
     def _left_out(self, outcome: Studies) -> Iterator[str]:
         """Say which integrators are not shown, and why."""
@@ -128,12 +127,6 @@ class OrderTab(LongTab):
     def heading(self, outcome: Studies) -> str:
         """Return which error converges."""
         return "Convergence of the state" if self._rows is state_rows else "Convergence of crossing times"
-
-    def meaning(self, outcome: Studies) -> str:
-        """Return what slopes the lines beside the curves have, if there are any."""
-        shown = studied(outcome, self._rows)
-        fitted = any(np.isfinite(row.slope) for one in shown for row in one.rows)
-        return f"Oblique dotted lines have slopes {listed([str(slope) for slope in guide_slopes(shown)])}." * fitted
 
     def how(self, outcome: Studies) -> str:
         """Return the integrators, what they do at crossings, and what they are compared with."""

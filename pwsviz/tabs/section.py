@@ -214,7 +214,7 @@ class SectionTab(LongTab):
 
     def meaning(self, outcome: SectionPoints) -> str:
         """Return what the numbers in the figure are, for captions."""
-        return "" if self.scene.section_map else FIRST_POINTS
+        return FIRST_POINTS * (not self.scene.section_map and len(outcome.statuses) > 1)
 
     def how(self, outcome: SectionPoints) -> str:
         """Return the surface and the integrator."""

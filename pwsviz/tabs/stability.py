@@ -13,7 +13,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import Shown
-from pwsviz.figures.stability_text import runs_drawn
+from pwsviz.figures.stability_text import draws_lines, runs_drawn
 from pwsviz.geometry.section_crossings import may_slide
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN, met_at_surfaces
@@ -32,12 +32,14 @@ HEADINGS = {
 """What a caption says of each part, to be followed by “of the system”."""
 
 MEANINGS = {
-    "map": "A step size is successful if the run has the crossings of the reference, ends as it does and, for a "
-    "conservative integrator, |Δψ| is at most 10⁻¹⁰ of the size of the terms of ψ.",
+    "map": "A step size is successful if the run has the crossings of the reference{} ends as it does{}.",
     "drift": "|Δψ| is the change of ψ since the start; drawn is the largest in each part of the time.",
     "grazing": "|Δψ| is the change of ψ since the start.",
 }
 """Of the lines in each part, for captions."""
+
+CONSERVES = " and, for a conservative integrator, |Δψ| is at most 10⁻¹⁰ of the size of the terms of ψ"
+"""What a successful run does besides, where ψ is known."""
 
 
 class StabilityTab(LongTab):
@@ -138,14 +140,17 @@ class StabilityTab(LongTab):
 
     def meaning(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are successful, for captions of the map, whose lines are named so, or what the error is."""
-        return MEANINGS[self.scene.stability_part]
+        part, known = self.scene.stability_part, self.scene.declaration.laws.most_conserved > 0
+        if part == "map" and not draws_lines(outcome):
+            return ""
+        return MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))
 
     def how(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are drawn of the part shown, and how they were integrated."""
         system, part = self.scene.declaration, self.scene.stability_part
         crossings = at_surface(met_at_surfaces(system), self.scene.locate, self.scene.slides and may_slide(system))
         which = runs_drawn(outcome, part, self.scene.selected_method)
-        return f"{which}; {crossings}. {stability_text(outcome, part) * (part != 'drift')}".rstrip(". ")
+        return f"{which}; {crossings}. {stability_text(outcome, part, caption=True) * (part != 'drift')}".rstrip(". ")
 
     def pictures(self) -> list[figure]:
         """Return the figure of the part shown, if it shows anything."""

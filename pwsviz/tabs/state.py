@@ -12,7 +12,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, portrait_tables
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.state import StateView, panel_text, state_text, whose_marks
+from pwsviz.figures.state import StateView, panel_text, state_text
 from pwsviz.figures.style import describe
 from pwsviz.geometry.projection import Axes, in_plane
 from pwsviz.results.requests import ErrorInputs, run_inputs
@@ -20,6 +20,7 @@ from pwsviz.results.states import StateCurves
 from pwsviz.tabs.base import Tab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
+from pwsviz.text.words import whose_marks
 
 
 class StatePicture(NamedTuple):
@@ -82,7 +83,7 @@ class StateTab(Tab):
 
     def meaning(self, outcome: StatePicture) -> str:
         """Return whose crossings are marked, for captions."""
-        return whose_marks(outcome.curves)
+        return whose_marks([curve.method for curve in outcome.curves])
 
     def pictures(self) -> list[figure]:
         """Return all panels."""

@@ -131,7 +131,7 @@ class SweepTab(LongTab):
 
     def how(self, outcome: Diagram) -> str:
         """Return how the diagram was made."""
-        return sweep_how(outcome.inputs, self.scene.values.get(outcome.inputs.parameter, math.nan))
+        return sweep_how(outcome.inputs)
 
     def program(self) -> str:
         """Return the lines that repeat the sweep."""

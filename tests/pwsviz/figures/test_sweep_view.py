@@ -136,7 +136,7 @@ def test_how_names_all_that_repeats_the_diagram():
         assert words in how, words
     told = sweep_how(SweepInputs.of_scene(Scene(system="stick_slip", methods=["rk4"])))
     assert "at crossings of S, and where sliding begins on it, for" in told
-    assert ": at most 100 points of each" in told
+    assert ": at most 100 points for each" in told
     chua = {"system": "chua", "methods": ["taylor"]}
     assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "the surfaces gₖ = 0 at which gₖ increases"
     assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "the surfaces gₖ = 0"
