@@ -152,7 +152,7 @@ def test_a_caption_tells_integrators_as_they_are_declared_and_whose_the_toleranc
     told = caption(Scene(methods=["dmm4", "taylor"]), "State")
     assert "by dmm4 with step size τ = 0.01 and by taylor with tolerance 10⁻¹² to t" in told
     assert "dmm2, Discrete Multiplier Method, order 2; dmm4, composition of five steps of dmm2" in told
-    assert "reference. dmm2: Disc" in caption(Scene(), "Order", how="runs of dmm2; reference")
+    assert "reference. Integrator: dmm2, Disc" in caption(Scene(), "Order", how="runs of dmm2; reference")
 
 
 def test_a_caption_has_numbers_as_fields_show_them_and_files_have_all_digits():
