@@ -18,7 +18,7 @@ from bokeh.models.glyphs import Line, MultiLine, Scatter, Text
 from bokeh.plotting import figure
 
 import core
-from pwsviz.figures.crowding import SOME, Marks
+from pwsviz.figures.crowding import Marks
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
@@ -332,7 +332,7 @@ class PortraitView:
         steps = step_columns([*pictures.orbits, *pictures.thin])
         assign(self.steps, **steps)
         omitted = any(orbit.more_steps for orbit in (*pictures.orbits, *pictures.thin))
-        self._step_entry.update(visible=len(steps["x"]) > 0, label=value(f"step{SOME}" if omitted else "step"))
+        self._step_entry.update(visible=len(steps["x"]) > 0, label=value("step (some)" if omitted else "step"))
         jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.thin)])
         assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
         assign(self.alongside, **alongside_columns(system, pictures))

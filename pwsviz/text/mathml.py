@@ -154,7 +154,7 @@ def _said(shown: Shown) -> str:
     """Return an expression in plain characters, with ^ for powers."""
     parts = _parts(_one(shown))
     words = [TOO_LONG if too_long(p) else sympy.sstr(_explicit(p), full_prec=False) for p in parts]
-    said = ", ".join(words).replace("**", "^").replace("*", " ")
+    said = said_name(", ".join(words).replace("**", "^").replace("*", " "))  # a symbol may be named in LaTeX
     return said if isinstance(shown, Expr) else f"({said})"
 
 
