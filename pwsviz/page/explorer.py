@@ -90,7 +90,7 @@ class Explorer(pn.viewable.Viewer):
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
         self.portrait_panel = PortraitPanel(
             self.scene, self.results, self.scheduler, self._await_system, self._refresh_export,
-            self.announcer.tell_of_portrait, self.history.hold,
+            self._end_portrait, self.history.hold,
         )  # fmt: skip
         link_portrait(self.portrait_panel.portrait)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
@@ -226,6 +226,11 @@ class Explorer(pn.viewable.Viewer):
         elif isinstance(view, LongTab):
             self._tell("finished.")
         self._refresh_export()
+
+    def _end_portrait(self, words: str) -> None:
+        """Tell the browser that what has been chosen is shown, and screen readers how the runs ended."""
+        self.browser.choosing = False
+        self.announcer.tell_of_portrait(words)
 
     def _tell(self, words: str) -> None:
         """Tell screen readers how the computation of the view has ended."""

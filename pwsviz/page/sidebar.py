@@ -22,7 +22,7 @@ from pwsviz.scene.scene import PERTURBATION_ORDERS, TOLERANCES, Scene
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.words import as_text
 from pwsviz.widgets.choices import Choices
-from pwsviz.widgets.dropdown import Dropdown
+from pwsviz.widgets.dropdown import CHOOSER, Dropdown
 from pwsviz.widgets.number_field import Later, NumberField, at_once
 from pwsviz.widgets.panes import PLAIN_SX, heading, text_pane
 
@@ -96,6 +96,7 @@ class Sidebar(pn.viewable.Viewer):
             description="Scenes to start from: the figures of the paper, and others.",
             value="",
             options={"choose …": "", **_titles()},
+            css_classes=[CHOOSER],
         )
         self.presets.param.watch(self._load, "value")
         self.preset_note = text_pane(FIRST, "about")
@@ -106,6 +107,7 @@ class Sidebar(pn.viewable.Viewer):
             description="The fields, and the surfaces between them.",
             value=self.scene.system,
             options=self._systems(),
+            css_classes=[CHOOSER],
         )
         self.system.param.watch(self._take_system, "value")
         self.write = pmui.Button(

@@ -9,9 +9,14 @@ import param
 
 from pwsviz.figures.style import ON_DARK
 from pwsviz.widgets.dialog import KEEP_FOCUS
+from pwsviz.widgets.dropdown import CHOOSER
+from pwsviz.widgets.panes import FADED
 
 NARROW = 600
 """Pixels of window width below which the controls start hidden, as they would cover the picture."""
+
+PATIENCE = 3000
+"""Milliseconds for which a picture that is to be replaced is faded, unless the server does it."""
 
 DARK = "pwsviz.dark"
 """Key in the browser's storage of a choice of light or dark that differs from the system's setting."""
@@ -120,6 +125,31 @@ paint_whole()
 """JavaScript that lets no figure be painted with rows that have no colours yet."""
 
 
+FADE = (
+    """
+// A picture that is to be replaced fades as soon as another is chosen from a list; the server takes longer.
+const fade_at_choice = () => {
+  const list = Bokeh.Models.get("Select").prototype.default_view.prototype, { render } = list
+  let given_up = null  // what is chosen may be refused
+  model.on("choosing", () => {
+    document.documentElement.style.setProperty("--past", model.choosing ? "FADED" : "")
+    clearTimeout(given_up)
+    if (model.choosing) { given_up = setTimeout(() => { model.choosing = false }, PATIENCE) }
+  })
+  list.render = function() {
+    render.call(this)
+    if (!this.model.css_classes.includes("CHOOSER")) { return }
+    this.input_el.addEventListener("change", () => { model.choosing = true })
+  }
+}
+fade_at_choice()
+""".replace("FADED", FADED["opacity"])
+    .replace("PATIENCE", str(PATIENCE))
+    .replace("CHOOSER", CHOOSER)
+)
+"""JavaScript that fades the figures at a choice from a list of the class `CHOOSER`, until `choosing` is false again."""
+
+
 DESCRIBE = """
 // What the “?” beside the name of a list says is told of the list itself, too, which the keyboard reaches.
 const describe_lists = () => {
@@ -195,6 +225,9 @@ class Browser(pn.custom.JSComponent):
     narrow = param.Boolean(default=False)
     dark = param.Boolean(default=False)
     query = param.String(default="", doc="The query in the address bar.")
+    choosing = param.Boolean(
+        default=False, doc="Whether an entry has been chosen whose picture has not come; set in the browser."
+    )
 
     _esm = (
         """
@@ -231,6 +264,7 @@ export function render({ model }) {
   NAME_MENU
   TELL_HEADER
   PAINT_WHOLE
+  FADE
   DESCRIBE
   TONE
   model.on("remove", () => {
@@ -253,6 +287,7 @@ export function render({ model }) {
         .replace("NAME_MENU", NAME_MENU)
         .replace("TELL_HEADER", TELL_HEADER)
         .replace("PAINT_WHOLE", PAINT_WHOLE)
+        .replace("FADE", FADE)
         .replace("DESCRIBE", DESCRIBE)
         .replace("TONE", TONE)
     )

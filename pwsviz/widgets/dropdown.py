@@ -9,7 +9,10 @@ import panel as pn
 
 from pwsviz.widgets.fields import FOCUS, FRAME, LABEL
 
-__all__ = ["Dropdown"]
+__all__ = ["CHOOSER", "Dropdown"]
+
+CHOOSER = "chooser"
+"""CSS class of a list whose entries each have another picture."""
 
 DROPDOWN_CSS = f"""
 :host .bk-input-group {{ position: relative; width: 100%; padding: 8px 0 0; }}

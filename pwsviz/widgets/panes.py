@@ -14,8 +14,9 @@ from pwsviz.text.words import as_text
 FADED = {"opacity": "0.35"}
 """Additional styles of a pane that shows an outdated result."""
 
-PLAIN = {"opacity": "1", "visibility": "inherit"}
-"""The same of one that does not: the browser keeps a style that is merely left out."""
+PLAIN = {"opacity": "var(--past, 1)", "visibility": "inherit"}
+"""The same of one that does not: the browser keeps a style that is merely left out. It sets `--past` as soon as another
+system is chosen, half a second before the server has prepared for it."""
 
 EMPTY = {"visibility": "hidden"}
 """The same of one that shows nothing yet: an empty frame would tell of a picture that is not there."""

@@ -64,3 +64,34 @@ def test_a_list_is_chosen_from_by_keyboard(visit):
     page.keyboard.type("Pred")
     page.wait_for_url(re.compile("system=predator_prey"))
     await_shown(page, "System", "Predator and prey")
+
+
+FADED_AT = """async entry => {
+    const deep = (node, found) => [...node.querySelectorAll("*")].flatMap(
+        part => [...(found(part) ? [part] : []), ...(part.shadowRoot ? deep(part.shadowRoot, found) : [])])
+    const [list] = deep(document, part => part.tagName == "SELECT" && [...part.options].some(o => o.text == entry))
+    const {el} = Bokeh.index.query_one(view => view.model.type == "Figure" && view.model.match_aspect)
+    list.value = [...list.options].find(option => option.text == entry).value
+    list.dispatchEvent(new Event("change", {bubbles: true}))
+    await new Promise(requestAnimationFrame)
+    return getComputedStyle(el).opacity
+}"""
+"""Chooses an entry from the list that has it, and returns the opacity of the portrait when it is painted next."""
+
+PORTRAIT_OF = """() => Bokeh.index.query_one(view => view.model.match_aspect)
+    .model.html_attributes["aria-label"].match(/of (.*), \\S+ against/)[1]"""
+"""The system whose portrait is painted."""
+
+
+def test_the_picture_of_the_system_before_fades_at_the_moment_of_the_choice(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    await_built(page)
+    opacity = "() => getComputedStyle(Bokeh.index.query_one(v => v.model.match_aspect).el).opacity"
+    for entry in ("Pendulum", "Kepler with a shell", "Pendulum"):
+        assert float(page.evaluate(FADED_AT, entry)) < 0.5
+        for _ in moments(page):
+            if page.evaluate(PORTRAIT_OF) == entry and page.evaluate(opacity) == "1":
+                break
+        else:
+            pytest.fail(f"the portrait is of {page.evaluate(PORTRAIT_OF)}, its opacity {page.evaluate(opacity)}")

@@ -27,6 +27,7 @@ from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS, View
 from pwsviz.tabs import Tab
 from pwsviz.tasks.scheduler import Scheduler
+from pwsviz.widgets.panes import FADED, PLAIN
 from tests.levels import deep_but
 
 
@@ -822,9 +823,9 @@ def test_while_the_first_integrators_are_compiled_the_portrait_shows_field_surfa
 def test_the_picture_of_another_system_is_faded_at_once_and_gets_no_star_of_the_new_one(explorer):
     panel, late = explorer.portrait_panel, explorer.portrait_panel.shown
     explorer.scene.param.update(system="pendulum")
-    assert panel.pane.styles["opacity"] != "1" or panel.shown is not late
+    assert panel.pane.styles["opacity"] == FADED["opacity"] or panel.shown is not late
     assert explorer.settle(60)
-    assert panel.pane.styles["opacity"] == "1"
+    assert panel.pane.styles["opacity"] == PLAIN["opacity"]
     stars = dict(panel.portrait.starts.data)
     panel._show(late)  # as it may come if another system is chosen meanwhile
     assert panel.shown is not late

@@ -9,6 +9,7 @@ import core
 from pwsviz.page.explorer import Explorer
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
+from pwsviz.widgets.panes import PLAIN
 
 METHODS = ("rk2", "dmm2", "rk4")
 SYSTEMS = 8
@@ -29,7 +30,7 @@ def look(page):
     """Return what the page says and which figures it shows, with their axes and legends."""
     panel, view = page.portrait_panel, page.view
     panes = view._panels.objects if page.scene.view == "state" else view.plots
-    seen = [pane for pane in (panel.pane, *panes) if pane.visible and pane.styles["opacity"] == "1"]
+    seen = [pane for pane in (panel.pane, *panes) if pane.visible and pane.styles["opacity"] == PLAIN["opacity"]]
     assert all(pane.object.visible and pane.styles["visibility"] == "inherit" for pane in seen)
     return {
         "words": [without_times(one.object) for one in (panel.status, panel.note, panel.trouble, view.words)],
