@@ -10,7 +10,7 @@ import core
 from core.interface import processor
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
 from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_numbers, cost_rows, cost_text
-from pwsviz.figures.cost_text import settings_text, shows_round_off
+from pwsviz.figures.cost_text import missing_text, settings_text, shows_round_off
 from pwsviz.figures.style import BELOW_RANGE, line_of
 
 FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
@@ -150,6 +150,13 @@ def test_a_caption_tells_between_which_settings_the_points_lie():
     assert settings_text(study(DMM2)) == "dmm2: τ from 0.01 to 0.1"
     failed = replace(DMM2, seconds=np.array([np.nan, 1e-3, 1e-2]))
     assert settings_text(study(failed)) == "dmm2: τ from 0.01 to 0.0316", "a run that did not end is not drawn"
+
+
+def test_a_run_without_a_point_is_told_with_its_reason_and_one_that_is_still_to_come_is_not():
+    seconds, status = np.array([np.nan, np.nan, 1e-2]), ("the numerical solution blows up", WAITING, DONE)
+    assert missing_text(BOTH) == ""
+    told = missing_text(study(replace(DMM2, seconds=seconds, status=status)))
+    assert told == "; no point: dmm2 with τ = 0.1 (the numerical solution blows up)"
 
 
 def test_round_off_is_explained_only_where_errors_come_near_it():

@@ -15,7 +15,6 @@ from panel.io.document import _cleanup_doc
 from panel.io.state import set_curdoc
 
 import core
-from pwsviz.export.about import caption
 from pwsviz.geometry.projection import shows_field, shows_surface
 from pwsviz.geometry.window import Window
 from pwsviz.page.explorer import ADDRESS_RESTS, WINDOW_RESTS, Explorer
@@ -29,15 +28,6 @@ from pwsviz.tabs import Tab
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.widgets.panes import FADED, PLAIN
 from tests.levels import deep_but
-
-
-@pytest.fixture
-def explorer():
-    page = Explorer(Scene(), Results())
-    page.refresh()
-    assert page.settle(120), "the first of them waits for the time loop to be compiled"
-    yield page
-    page.close()
 
 
 def counts(explorer):
@@ -524,15 +514,6 @@ def test_what_is_taken_away_is_what_is_shown(explorer):
     assert "core.integrate" in explorer.export.program.object
 
 
-@pytest.mark.parametrize(("system", "slides"), [("harmonic_oscillator", False), ("stick_slip", True)])
-def test_captions_speak_of_sliding_where_a_run_slides(explorer, system, slides):
-    explorer.scene.load({"system": system, "methods": ["rk2"], "view": "state"})
-    explorer.settle(20)
-    for piece in explorer._pieces():
-        told = caption(explorer.scene, piece.title, **piece.origin)
-        assert ("sliding solution is followed" in told) == slides
-
-
 def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
     explorer.scene.load({"system": "stick_slip", "methods": ["rk2"], "view": "order"})
     assert explorer.settle(60)
@@ -876,19 +857,6 @@ def test_what_a_study_does_at_crossings_stands_in_its_caption(explorer, view):
     assert "crossings located by the transition scheme" in how
     assert ("sliding solution is followed" in how) == (view in ("stability", "section")), "no run of the others slides"
     assert ("their times perturbed by 2·τ" in how) == (view == "order"), "others do not perturb"
-
-
-def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbed_crossings_change_is_counted(explorer):
-    for settings, told in (
-        (
-            {"system": "rigid_body", "methods": ["dmm2"]},
-            "The larger |Δψ| of the two conserved quantities is drawn at each time.",
-        ),
-        ({"perturbation_order": 1}, "A perturbed crossing lies off the surface"),
-    ):
-        explorer.scene.load({**settings, "view": "conserved"})
-        assert explorer.settle(60)
-        assert told in explorer._pieces()[1].meaning
 
 
 def test_the_order_says_that_crossing_times_are_perturbed(explorer):

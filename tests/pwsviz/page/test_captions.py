@@ -1,0 +1,70 @@
+"""Captions tell what is drawn, and why something is not."""
+
+import pytest
+
+from pwsviz.export.about import caption
+
+
+def told_of(explorer, **settings):
+    """Return the captions of the portrait and of the view, in full."""
+    explorer.scene.load(settings)
+    assert explorer.settle(60)
+    return [f"{caption(explorer.scene, one.title, **one.origin)} {one.meaning}".strip() for one in explorer._pieces()]
+
+
+@pytest.mark.parametrize(("system", "slides"), [("harmonic_oscillator", False), ("stick_slip", True)])
+def test_captions_speak_of_sliding_where_a_run_slides(explorer, system, slides):
+    explorer.scene.load({"system": system, "methods": ["rk2"], "view": "state"})
+    explorer.settle(20)
+    for piece in explorer._pieces():
+        told = caption(explorer.scene, piece.title, **piece.origin)
+        assert ("sliding solution is followed" in told) == slides
+
+
+def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbed_crossings_change_is_counted(explorer):
+    for settings, told in (
+        (
+            {"system": "rigid_body", "methods": ["dmm2"]},
+            "The larger |Δψ| of the two conserved quantities is drawn at each time.",
+        ),
+        ({"perturbation_order": 1}, "A perturbed crossing lies off the surface"),
+    ):
+        explorer.scene.load({**settings, "view": "conserved"})
+        assert explorer.settle(60)
+        assert told in explorer._pieces()[1].meaning
+
+
+@pytest.mark.parametrize(
+    ("system", "joined"), [("bouncing_ball", True), ("henon_heiles", False), ("elliptic_curve", False)]
+)
+def test_lines_of_jumps_are_told_of_where_jumps_move_what_is_drawn(explorer, system, joined):
+    portrait, _ = told_of(explorer, system=system, view="state")
+    assert ("Dotted lines join the states before and after jumps." in portrait) == joined
+
+
+def test_a_projection_says_what_it_leaves_out_and_nothing_of_controls(explorer):
+    portrait, _ = told_of(explorer, system="gene_ring", view="state")
+    assert "Projection onto the plane of x, y, in which the field, the level sets and the surface z − θ = 0" in portrait
+    assert "selects" not in portrait
+
+
+def test_a_section_that_ends_early_says_when_and_a_single_start_has_no_number(explorer):
+    _, section = told_of(explorer, system="two_walls", view="section")
+    assert ": at most 2,000 points; integrated by dmm2" in section
+    assert "Start 1 has ended with 348 points by t = 1036.3" in section
+    assert "A number marks" not in section
+
+
+def test_successful_step_sizes_are_explained_where_they_are_drawn(explorer):
+    _, without = told_of(explorer, system="stick_slip", view="stability")
+    assert "is successful if" not in without
+    _, drawn = told_of(explorer, system="elliptic_curve", view="stability", methods=["dmm2"])
+    assert "ends as it does and, for a conservative integrator, |Δψ| is at most" in drawn
+    assert drawn.count("the lines hold for") == 1
+    assert "hold for the chosen start only" not in drawn, "that is told by the first sentence"
+
+
+def test_an_order_study_counts_jumps_and_tells_of_errors_that_are_zero(explorer):
+    _, order = told_of(explorer, system="vibrating_table", view="order", methods=["dmm2"])
+    assert "; jumps count as crossings." in order
+    assert "The error before the first crossing is 0, and not drawn." in order
