@@ -1,6 +1,7 @@
 """The cover of the page: the portrait of a fresh page, which stands there until the page itself is built.
 
-The scripts of the page take seconds to load and to build it. The cover is part of the document, and seen at once.
+The scripts of the page take seconds to load and to build it. The cover is part of the document, and seen at once. When
+the portrait itself is painted the cover is lifted from it, and leaves grey where controls and view are still to come.
 """
 
 from __future__ import annotations
@@ -31,9 +32,15 @@ SIDEBAR_WIDTH = 300
 
 MARKUP = """
 <style>
-#cover { position: fixed; inset: 0; z-index: 1; overflow: hidden; background: white; color: rgba(0, 0, 0, 0.87); }
+#cover { position: fixed; inset: 0; z-index: 1300; overflow: hidden; background: white; color: rgba(0, 0, 0, 0.87); }
 GREETING_CSS
-#cover.dark { background: #121212; color: white; }
+#cover aside, #cover .view { border-radius: 4px; background: rgba(128, 128, 128, 0.07); }
+#cover aside { position: absolute; left: 12px; top: 70px; bottom: 24px; width: calc(SIDEBARpx - 30px);
+    background: repeating-linear-gradient(rgba(128, 128, 128, 0.12) 0 40px, transparent 40px 58px); }
+#cover .view { height: HEIGHT; margin-top: 40px; }
+#cover.lifted { background: none; pointer-events: none; }
+#cover.lifted > header, #cover.lifted > .greeting, #cover.lifted main > :not(.view) { visibility: hidden; }
+#cover.dark:not(.lifted) { background: #121212; color: white; }
 TONES
 #cover header { font: 700 21.6px/48px Roboto, Helvetica, Arial, sans-serif; padding-left: 68px;
                 border-bottom: 1px solid rgba(128, 128, 128, 0.3); }
@@ -44,12 +51,14 @@ TONES
 #cover .greeting { margin: 15px 16px -15px; }
 #cover ~ #loader .spinner { display: none; }
 @media (width < NARROWpx) {
-  #cover main { margin-left: 16px; } #cover figure { margin-top: 33px; } #cover header { padding-left: 60px; } }
+  #cover aside { display: none; } #cover main { margin-left: 16px; }
+  #cover figure { margin-top: 33px; } #cover header { padding-left: 60px; } }
 </style>
 <div id="cover" aria-hidden="true">
 <header>pwsviz</header>
 GREETING
-<main><div><figure>PICTURE</figure><p>Loading …</p></div><div></div></main>
+<aside></aside>
+<main><div><figure>PICTURE</figure><p>Loading …</p></div><div class="view"></div></main>
 </div>
 <script>{
   const cover = document.getElementById("cover"), begun = performance.now(), dark = (IS_DARK)()
@@ -59,10 +68,12 @@ GREETING
   const told = () => Bokeh.documents[0]?.roots().find(root => "sidebar_open" in (root.data ?? {}))?.data
   // The page learns from the browser that it is dark or narrow, and takes a moment to change its colours or controls.
   const fits = page => page?.dark_theme == dark && page.sidebar_open == innerWidth >= NARROW
+  const furnished = () => Bokeh.index.query_one(view => view.model.type.endsWith("Select")) != null
   const lift = () => {
-    if (performance.now() - begun > 30000) { cover.remove() }
-    else if (painted() && fits(told())) { setTimeout(() => cover.remove(), dark || innerWidth < NARROW ? 400 : 0) }
-    else { requestAnimationFrame(lift) }
+    if (performance.now() - begun > 30000 || cover.matches(".lifted") && furnished()) { return cover.remove() }
+    const lifted = () => cover.classList.add("lifted")
+    if (painted() && fits(told())) { setTimeout(lifted, dark || innerWidth < NARROW ? 400 : 0) }
+    requestAnimationFrame(lift)
   }
   lift()
 }</script>
