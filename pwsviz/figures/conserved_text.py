@@ -67,6 +67,8 @@ def meaning(curves: Sequence[ErrorCurve], met: str) -> str:
         words.append(f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}")
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
+    if 0 < len(curves[0].crossings) <= MOST_BANDS:
+        words.append(f"Marks at the lower edge are at the times of {met}")
     return f"{'. '.join(words)}.{_about_marks(curves)}"
 
 
