@@ -34,6 +34,9 @@ IF_KNOWN = " where one is known"
 WHERE = re.compile("(g [<>] 0|region [^:]+): ")
 """What stands before a law in `equations`, unless it holds on both sides."""
 
+METHOD = re.compile(rf"\b({'|'.join(core.METHODS)})\b")
+"""The name of an integrator."""
+
 ORDINARY = {"Classical", "Composition", "Explicit"}
 """Words at the beginning of the declaration of an integrator that are no names."""
 
@@ -122,15 +125,14 @@ def caption(
     parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, free=free, told=brief)
     values = f"; {values}" if (values := parts["parameters"]) else ""
     system = scene.declaration
-    surface = ", S = {g = 0}" if system.two_sided else ""
     count = system.laws.sides.shape[1]
     signs = f"; a region is named by the signs of {listed([f'g{k + 1}' for k in range(count)])}"
     signs *= not system.two_sided and count > 0
-    laws = f"{'; '.join(_in_a_sentence(parts['equations'].split('; ')))}{surface}{signs}"
+    laws = f"{'; '.join(_in_a_sentence(parts['equations'].split('; ')))}{signs}"
     laws = laws if len(parts["equations"]) <= LONGEST else OMITTED
-    sentences = [f"{told[0].upper()}{told[1:]}." for told in (f"{laws}{values}", parts["starts"], parts["integration"])]
-    methods = _methods(parts["integration"], known=system.laws.most_conserved > 0)
-    return f"{named(scene, heading)}. {printed(indexed(' '.join([*sentences, *methods])))}"
+    runs = _with_methods(parts["integration"], known=system.laws.most_conserved > 0)
+    sentences = [f"{told[0].upper()}{told[1:]}." for told in (f"{laws}{values}", parts["starts"], runs)]
+    return f"{named(scene, heading)}. {printed(indexed(' '.join(sentences)))}"
 
 
 def _in_a_sentence(equations: Sequence[str]) -> Iterator[str]:
@@ -140,21 +142,31 @@ def _in_a_sentence(equations: Sequence[str]) -> Iterator[str]:
     for one in equations:
         where = WHERE.match(one)
         before = f"{'in' if one.startswith('region') else 'for'} " if where else ""
-        yield f"{before}{one.replace(', ψ', ', conserving ψ', 1)}"
+        surface = ", S = {g = 0}" * one.startswith("g = ")
+        yield f"{before}{one.replace(', ψ', ', conserving ψ', 1)}{surface}"
 
 
-def _methods(words: str, known: bool) -> list[str]:
-    """Return a sentence on the integrators that are named in words, each as it is declared; none if none is named.
+def _with_methods(words: str, known: bool) -> str:
+    """Return words in which each integrator is explained where it is named first; `known` as of `_declared`."""
+    explained: list[str] = []
 
-    What one does “where one is known”, a conserved quantity, is told if one is `known`.
-    """
-    said: list[str] = []
-    for name, method in reversed(list(core.METHODS.items())):  # the declaration of one may name an earlier one
-        if re.search(rf"\b{name}\b", " ".join([words, *said])):
-            first, *more = re.split("[:;] ", method.doc.rstrip("."))
-            more = [one.removesuffix(IF_KNOWN) for one in more if known and one.endswith(IF_KNOWN)]
-            said.insert(0, f"{name}, {', '.join([_within_a_sentence(first), *more])}")
-    return [f"Integrator{'s' * (len(said) > 1)}: {'; '.join(said)}."] if said else []
+    def explain(found: re.Match[str]) -> str:
+        name = found[0]
+        if name in explained:
+            return name
+        explained.append(name)
+        return f"{name} ({_declared(name, known)})"
+
+    words = METHOD.sub(explain, words)
+    within = [name for name in METHOD.findall(words) if name not in explained]  # the words on one may name another
+    return ". ".join([words, *(f"{name}: {_declared(name, known)}" for name in dict.fromkeys(within))])
+
+
+def _declared(name: str, known: bool) -> str:
+    """Return what an integrator is, as it is declared; also what it does “where one is known”, a ψ, if one is."""
+    first, *more = re.split("[:;] ", core.METHODS[name].doc.rstrip("."))
+    more = [one.removesuffix(IF_KNOWN) for one in more if known and one.endswith(IF_KNOWN)]
+    return ", ".join([_within_a_sentence(first), *more])
 
 
 def _within_a_sentence(words: str) -> str:

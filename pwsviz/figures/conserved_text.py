@@ -64,7 +64,9 @@ def meaning(curves: Sequence[ErrorCurve], met: str) -> str:
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         when = "so far" if round_off_grows(curves[0]) else "in the run"
-        words.append(f"The line “round-off” is {ROUND_OFF:g} × 2⁻⁵² times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}")
+        words.append(
+            f"The line of round-off is at {ROUND_OFF:g} × 2⁻⁵² times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}"
+        )
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
     if 0 < len(curves[0].crossings) <= MOST_BANDS:

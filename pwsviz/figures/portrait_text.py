@@ -183,12 +183,15 @@ def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
     plane, *alike = (_named_plane(system, one) for one in (axes, *planes_alike(system, axes)))
     shown, texts = surfaces_shown(system, axes), surface_texts(system)
     hidden = [f"{readable(g, system)} = 0" for k, g in enumerate(texts) if k not in shown]
-    lost = ["the field", "the level sets"] + [f"the surface{'s' * (len(hidden) > 1)} {', '.join(hidden)}"] * bool(
-        hidden
+    lost = (
+        ["the field"]
+        + ["the level sets"] * (system.laws.most_conserved > 0)
+        + [f"the surface{'s' * (len(hidden) > 1)} {', '.join(hidden)}"] * bool(hidden)
     )
     words = f"Projection onto the plane of {plane}, in which {listed(lost)} cannot be drawn."
     if alike:
-        words += f" Thin lines show {'; '.join(alike)}, and discs where they start; marks refer to {plane}."
+        marks = f"marks of {met_at_surfaces(system)} refer to {plane}"
+        words += f" Thin lines show {'; '.join(alike)}, and discs where they start; {marks}."
     return words
 
 

@@ -214,7 +214,8 @@ class SectionTab(LongTab):
 
     def meaning(self, outcome: SectionPoints) -> str:
         """Return what the numbers in the figure are, for captions."""
-        return FIRST_POINTS * (not self.scene.section_map and len(outcome.statuses) > 1)
+        one = "The number marks the first point."
+        return "" if self.scene.section_map else FIRST_POINTS if len(outcome.statuses) > 1 else one
 
     def how(self, outcome: SectionPoints) -> str:
         """Return the surface and the integrator."""

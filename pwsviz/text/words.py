@@ -28,7 +28,7 @@ def at_surface(met: str, locate: bool, slide: bool, order: int | None = None, sc
 
     Where nothing but jumps is met, the law is the same on both sides of them: no transition scheme is needed.
     """
-    how = "a shortened step that ends on g = 0" if met == "jumps" else "the transition scheme"
+    how = "a shortened step that ends on g = 0" if met == "jumps" else "Mannshardt’s transition scheme"
     words = f"{met} {f'located by {how}' if locate else 'not located'}"
     if locate and order is not None:
         words += f", their times perturbed by {perturbation(order, scale)}"

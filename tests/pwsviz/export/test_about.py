@@ -68,7 +68,7 @@ def test_no_two_quantities_of_a_region_have_the_same_name(system):
 
 
 def test_a_caption_says_jumps_where_nothing_but_jumps_occurs():
-    steps, scheme = "by a shortened step that ends on g = 0", "by the transition scheme"
+    steps, scheme = "by a shortened step that ends on g = 0", "by Mannshardt’s transition scheme"
     cases = (("three_bodies", "jumps", steps), ("two_walls", "jumps", steps), ("thermostat", "crossings", scheme))
     for name, met, how in cases:
         scene = scene_of(core.CATALOGUE[name])
@@ -145,14 +145,16 @@ def test_a_variable_has_one_name_in_all_of_a_caption():
 
 def test_a_caption_tells_integrators_as_they_are_declared_and_whose_the_tolerance_is():
     told = caption(Scene(methods=["taylor"]), "State")
-    assert "by taylor with tolerance 10⁻¹² to t = 20;" in told
-    chosen = "taylor, Taylor series, order and step size chosen from a tolerance"
-    assert f"{chosen}, projected onto the level set of ψ." in told
-    assert caption(scene_of(core.CATALOGUE["chua"]), "State", how="runs of taylor").endswith(f"{chosen}."), "no ψ"
+    chosen = "taylor (Taylor series, order and step size chosen from a tolerance"
+    assert f"by {chosen}, projected onto the level set of ψ) with tolerance 10⁻¹² to t = 20;" in told
+    assert caption(scene_of(core.CATALOGUE["chua"]), "State", how="runs of taylor").endswith(f"{chosen})."), "no ψ"
     told = caption(Scene(methods=["dmm4", "taylor"]), "State")
-    assert "by dmm4 with step size τ = 0.01 and by taylor with tolerance 10⁻¹² to t" in told
-    assert "dmm2, Discrete Multiplier Method, order 2; dmm4, composition of five steps of dmm2" in told
-    assert "reference. Integrator: dmm2, Disc" in caption(Scene(), "Order", how="runs of dmm2; reference")
+    composed = "dmm4 (composition of five steps of dmm2 (Suzuki), order 4)"
+    assert f"by {composed} with step size τ = 0.01 and by taylor (Taylor series, " in told
+    assert told.endswith(". dmm2: Discrete Multiplier Method, order 2."), "that of dmm4 names it"
+    assert "Runs of dmm2 (Discrete Multiplier Method, order 2); reference." in caption(
+        Scene(), "Order", how="runs of dmm2; reference"
+    )
 
 
 def test_a_caption_has_numbers_as_fields_show_them_and_files_have_all_digits():

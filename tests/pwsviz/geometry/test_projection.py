@@ -90,9 +90,9 @@ def test_a_surface_that_is_no_curve_in_the_plane_is_left_out_and_named():
 def test_of_several_surfaces_those_that_are_no_curves_in_the_plane_are_named():
     ring, chua, bridge = (core.CATALOGUE[name] for name in ("gene_ring", "chua", "diode_bridge"))
     assert surfaces_shown(ring, XY) == [0, 1]
-    assert "the field, the level sets and the surface z − θ = 0 cannot be drawn" in portrait_note(ring, XY)
+    assert "the field and the surface z − θ = 0 cannot be drawn" in portrait_note(ring, XY)
     assert "surface" not in portrait_note(chua, XY)
-    assert "the level sets and the surfaces x + 1 = 0, x − 1 = 0 cannot be drawn" in portrait_note(chua, (1, 2))
+    assert "the field and the surfaces x + 1 = 0, x − 1 = 0 cannot be drawn" in portrait_note(chua, (1, 2))
     assert "the surfaces v − u = 0, v + u = 0 cannot" in portrait_note(bridge, (0, 2))
     assert "surface" not in portrait_note(bridge, XY)
     assert [shows_regions(ring, XY), shows_regions(chua, XY), shows_regions(bridge, XY)] == [False, True, True]
@@ -139,7 +139,9 @@ def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
     ]  # fmt: skip
     assert planes_alike(bodies, (0, 2)) == [], "x1 and x2 span a plane of their own"
     assert axis_labels(bodies, (0, 1)) == ("x₁, x₂, x₃ (6 other variables not shown)", "y₁, y₂, y₃")
-    assert "x₂, y₂; x₃, y₃, and discs where they start; marks refer to x₁, y₁." in portrait_note(bodies, (0, 1))
+    assert "x₂, y₂; x₃, y₃, and discs where they start; marks of jumps refer to x₁, y₁." in portrait_note(
+        bodies, (0, 1)
+    )
     walled = core.PiecewiseSystem(
         name="Two beads, a wall for one", variables=("x1", "v1", "x2", "v2"), g="x1",
         f_minus=("v1", "-x1", "v2", "-x2"), f_plus=("v1", "-4*x1", "v2", "-x2"), x0=(1.0, 0.0, 0.5, 0.0),

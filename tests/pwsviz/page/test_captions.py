@@ -44,7 +44,7 @@ def test_lines_of_jumps_are_told_of_where_jumps_move_what_is_drawn(explorer, sys
 
 def test_a_projection_says_what_it_leaves_out_and_nothing_of_controls(explorer):
     portrait, _ = told_of(explorer, system="gene_ring", view="state")
-    assert "Projection onto the plane of x, y, in which the field, the level sets and the surface z − θ = 0" in portrait
+    assert "Projection onto the plane of x, y, in which the field and the surface z − θ = 0" in portrait
     assert "selects" not in portrait
 
 
@@ -52,7 +52,7 @@ def test_a_section_that_ends_early_says_when_and_a_single_start_has_no_number(ex
     _, section = told_of(explorer, system="two_walls", view="section")
     assert ": at most 2,000 points; integrated by dmm2" in section
     assert "Start 1 has ended with 348 points by t = 1036.3" in section
-    assert "A number marks" not in section
+    assert "The number marks the first point." in section
 
 
 def test_successful_step_sizes_are_explained_where_they_are_drawn(explorer):

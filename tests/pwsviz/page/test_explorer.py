@@ -547,7 +547,7 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
         changes = np.count_nonzero(np.diff(curve.sliding[1:]))
         assert changes
         assert len(xs) == len(ys) == len(curve.t) - 1 + changes
-    assert "round-off” is 2 × 2⁻⁵² times the largest |ψ| + Σ" in explorer._pieces()[1].meaning
+    assert "round-off is at 2 × 2⁻⁵² times the largest |ψ| + Σ" in explorer._pieces()[1].meaning
     explorer.scene.load({"system": "stick_slip", "view": "conserved"})
     explorer.scene.view = "conserved"
     explorer.settle(20)
@@ -854,7 +854,7 @@ def test_what_a_study_does_at_crossings_stands_in_its_caption(explorer, view):
     explorer.scene.param.update(t_end=1.0, peers=[], perturbation_order=1, perturbation_scale=2.0, view=view)
     assert explorer.settle(60)
     how = explorer._pieces()[1].how
-    assert "crossings located by the transition scheme" in how
+    assert "crossings located by Mannshardt’s transition scheme" in how
     assert ("sliding solution is followed" in how) == (view in ("stability", "section")), "no run of the others slides"
     assert ("their times perturbed by 2·τ" in how) == (view == "order"), "others do not perturb"
 
