@@ -110,8 +110,8 @@ def _change(curve: ErrorCurve) -> str:
         return ""
     worst, size = float(error.max()), float(curve.psi_size[-1])
     if worst > CEILING:
-        ends = "blows up" if curve.runs_off else "leaves the plot"
-        return f"{method} {ends} at t = {t[np.argmax(error > CEILING)]:.4g}: {largest(error)}"
+        left = f"leaves the plot at t = {t[np.argmax(error > CEILING)]:.4g}"
+        return f"{method} {f'blows up at t = {curve.t_end:.4g}' if curve.runs_off else left}: {largest(error)}"
     if worst == 0:
         return f"{method} conserves ψ exactly"
     until = f"up to t = {_end_of(curve, known):.4g}"

@@ -122,9 +122,8 @@ def _which_start(pictures: Pictures) -> str:
     for number, of_methods in sorted(words.items()):
         stops.setdefault(" or ".join(dict.fromkeys(of_methods)), []).append(str(number))
     told = "; ".join(f"{listed(numbers)} ({why})" for why, numbers in stops.items())
-    these = "Start" if sum(map(len, stops.values())) == 1 else "Starts"
-    stop = "stops" if these == "Start" else "stop"
-    return f"Start {index + 1} of {count}." + (f" {these} {told} {stop} early." if told else "")
+    stop = "stops" if sum(map(len, stops.values())) == 1 else "stop"
+    return f"Start {index + 1} of {count}." + (f" Of the others, {told} {stop} early." if told else "")
 
 
 _LETTER = "[A-Za-zΑ-Ωα-ω]"

@@ -50,7 +50,7 @@ def run_words(summaries: Sequence[Summary]) -> str:
 
 def _reason(first: Summary, *others: Summary) -> str:
     """Say where and why a run stopped, and which others stopped for the same reason."""
-    likewise = f" Likewise {listed([other.method for other in others])}." if others else ""
+    likewise = f" Likewise {listed([f'{one.method} at t = {one.t_end:.4g}' for one in others])}." if others else ""
     return f"{first.method}: {first.message}{likewise}"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,8 @@ class Summary:
     status: core.Status
     message: str
     """Where and why it stopped early; empty if it reached the end time."""
+    t_end: float = math.nan
+    """Time at which it ended."""
     begins: str = ""
     """That it rests, or slides along a surface, from its start on; empty where it does neither."""
 
@@ -48,6 +51,7 @@ def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summar
         steps=int(run.steps),
         met=run.tally,
         seconds=float(run.seconds),
+        t_end=float(run.t[-1]),
         worst_error=float(np.fmax.reduce(sizes, initial=np.nan)),
         status=run.status,
         message=on_page(run.outcome, run.system.variables) if run.status is not core.Status.COMPLETED else "",

@@ -125,6 +125,19 @@ paint_whole()
 """JavaScript that lets no figure be painted with rows that have no colours yet."""
 
 
+KEEP_TO_ROWS = """
+// A filter chosen for the rows before is applied once to fewer rows, until one is chosen for these.
+const keep_to_rows = () => {
+  const filter = Bokeh.Models.get("IndexFilter").prototype, { compute_indices } = filter
+  filter.compute_indices = function(source) {
+    const rows = source.get_length() ?? 1, indices = this.indices?.filter(k => k < rows) ?? null
+    return compute_indices.call({ indices }, source)
+  }
+}
+keep_to_rows()
+"""
+"""JavaScript that applies filters to rows that exist alone; else Bokeh warns of each row that does not."""
+
 FADE = (
     """
 // A picture that is to be replaced fades as soon as another is chosen from a list; the server takes longer.
@@ -264,6 +277,7 @@ export function render({ model }) {
   NAME_MENU
   TELL_HEADER
   PAINT_WHOLE
+  KEEP_TO_ROWS
   FADE
   DESCRIBE
   TONE
@@ -287,6 +301,7 @@ export function render({ model }) {
         .replace("NAME_MENU", NAME_MENU)
         .replace("TELL_HEADER", TELL_HEADER)
         .replace("PAINT_WHOLE", PAINT_WHOLE)
+        .replace("KEEP_TO_ROWS", KEEP_TO_ROWS)
         .replace("FADE", FADE)
         .replace("DESCRIBE", DESCRIBE)
         .replace("TONE", TONE)

@@ -55,6 +55,11 @@ def _is_ours(url):
     return urllib.parse.urlsplit(url.removeprefix("blob:")).hostname in ("localhost", None)
 
 
+def _complains(message):
+    """Whether a message in the console is an error, or of rows that do not exist."""
+    return message.type == "error" or "out of bounds" in message.text
+
+
 @pytest.fixture(scope="session")
 def window(chromium):
     """A window whose pages share what they fetched, as the tabs of one visitor do."""
@@ -74,7 +79,7 @@ def visit(window, address):
         pages.append(page)
         page.set_viewport_size({"width": width, "height": height})
         page.set_default_timeout(PATIENCE)
-        page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+        page.on("console", lambda message: complaints.append(message.text) if _complains(message) else None)
         page.on("request", lambda sent: None if _is_ours(sent.url) else complaints.append(sent.url))
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.emulate_media(**media)

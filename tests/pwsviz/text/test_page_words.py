@@ -34,11 +34,11 @@ def test_a_run_in_one_line():
 
 def test_runs_that_stopped_say_why_once():
     stopped = summary(status=core.Status.ESCAPED, message="t = 1: ran away <b>")
-    later = summary(method="rk2", status=core.Status.ESCAPED, message="t = 1.1: ran away <b>")
+    later = summary(method="rk2", status=core.Status.ESCAPED, message="t = 1.1: ran away <b>", t_end=1.1)
     lines = run_lines([stopped, later, summary(message="fine")])
     assert lines.count("ran away &lt;b&gt;") == 1
     assert "dmm2: t = 1:" in lines
-    assert "Likewise rk2." in lines
+    assert "Likewise rk2 at t = 1.1." in lines
     touched = summary(method="rk4", status=core.Status.GRAZING, message="touched")
     assert run_lines([touched, stopped]).index("touched") < run_lines([touched, stopped]).index("ran away")
     assert "fine" not in lines
