@@ -49,6 +49,9 @@ THEME = {
         "MuiButtonBase": {  # whose own sign of the focus is a slight shade
             "styleOverrides": {"root": {"&.Mui-focusVisible": {"outline": "2px solid", "outlineOffset": "-2px"}}}
         },
+        "MuiButton": {  # on whose own shade under the pointer blue words have a contrast of 4.4, too little
+            "styleOverrides": {"text": {"&:hover": {"backgroundColor": "transparent", "textDecoration": "underline"}}}
+        },
         "MuiDrawer": {
             "defaultProps": {"slotProps": {"paper": {"aria-label": "Controls"}}},
             "styleOverrides": {

@@ -150,6 +150,15 @@ def test_every_view_and_dialog_shows_itself_without_violating_wcag(inspected):
     page.get_by_role("dialog").get_by_text("Ctrl+Z").wait_for()
 
 
+@pytest.mark.deep
+def test_the_words_of_a_button_under_the_pointer_keep_their_contrast(inspected):
+    page = inspected
+    with controls(page):
+        page.get_by_role("button", name="Write your own").hover()
+        page.wait_for_timeout(500)  # for the colours, which fade in
+        assert_without_objections(page, None, ["color-contrast"])
+
+
 def look_at_dialog(page, name, ready, rules):
     page.get_by_role("button", name=name).click()
     page.get_by_role("dialog").get_by_text(ready).wait_for()
