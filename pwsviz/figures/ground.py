@@ -100,7 +100,7 @@ class Ground:
         self._level_keys = {1: _keys(plot, **LEVEL_SET), 2: _keys(plot, **OWN_LEVEL_SET)}
         usual_keys, own_keys = (list(keys.values()) for keys in self._level_keys.values())
         self.legend: list[tuple[str, Any]] = [
-            ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("direction of f", [*field, head]),
+            ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("f/|f|", [*field, head]),
             ("ψ = const.", usual_keys), (OWN_LEVEL, own_keys),
             (ATTRACTS, [attracting, line]), (REPELS, [repelling, line]),
         ]  # fmt: skip
