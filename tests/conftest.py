@@ -9,6 +9,7 @@ import os
 import secrets
 import shutil
 import zlib
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -32,6 +33,13 @@ FLAGS = [
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
     "--disable-sync", "--no-first-run",
 ]  # fmt: skip
+
+
+class Driver(NamedTuple):
+    """Playwright's Chromium, and what each start of it is given."""
+
+    chromium: Any
+    options: dict[str, Any]
 
 
 def pytest_addoption(parser):
@@ -77,10 +85,10 @@ def draws(request):
     return generators
 
 
-# One browser for all tests of a process: a second one beside it is refused.
+# One driver for all browsers of a process: a second one beside it is refused.
 @pytest.fixture(scope="session")
-def chromium():
-    """Start Chromium with a fresh profile; without one the tests are skipped, except in continuous integration."""
+def driver():
+    """Drive Chromium by Playwright; without a Chromium the tests are skipped, except in continuous integration."""
     path = shutil.which("chromium")
     if path is None:
         reason = "no chromium on the PATH: install the package of that name to run the browser tests"
@@ -88,6 +96,20 @@ def chromium():
     sync_api = pytest.importorskip("playwright.sync_api")
     sync_api.expect.set_options(timeout=PATIENCE)
     with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        yield browser
-        browser.close()
+        yield Driver(playwright.chromium, {"executable_path": path, "args": FLAGS})
+
+
+@pytest.fixture(scope="session")
+def chromium(driver):
+    """Start Chromium; each of its contexts is that of somebody who was never here."""
+    browser = driver.chromium.launch(**driver.options)
+    yield browser
+    browser.close()
+
+
+@pytest.fixture(scope="session")
+def window(driver):
+    """A window with a fresh profile, whose pages share what they fetched and compiled, as a visitor's tabs do."""
+    context = driver.chromium.launch_persistent_context("", **driver.options)
+    yield context
+    context.close()

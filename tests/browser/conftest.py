@@ -60,12 +60,6 @@ def _complains(message):
     return message.type == "error" or "out of bounds" in message.text
 
 
-@pytest.fixture(scope="session")
-def window(chromium):
-    """A window whose pages share what they fetched, as the tabs of one visitor do."""
-    return chromium.new_context()
-
-
 @pytest.fixture
 def visit(window, address):
     """Open the page, or a scene of it, in a window of a given size; afterwards, no script may have complained.
