@@ -22,7 +22,10 @@ LONGEST = 400
 """Characters of equations in a caption, about five lines of a page; longer ones are left out."""
 
 OMITTED = "the equations are given in the text"
-"""What a caption says in place of longer equations."""
+"""What a caption says in place of longer equations; those of the surfaces stay."""
+
+SURFACE = re.compile("g[₀-₉]* = ")
+"""With which the equation of a surface begins in `equations`."""
 
 
 FEW_DIGITS, ROUNDED = 6, 5
@@ -89,7 +92,7 @@ def about(
     slid : bool
         Whether one of the runs slides; if none does, sliding is not mentioned.
     endings : str
-        Which runs ended before the end time, if any did.
+        A sentence on runs that end before the end time, as of `endings.endings`; without its stop.
     free : str
         A parameter, or a variable at the start, that has many values in it; its present one is left out.
     told : callable
@@ -105,7 +108,7 @@ def about(
         "variables": f"{_variables(scene)}; a column of such a name has its values",
         "parameters": _parameters(scene, told, free),
         "starts": _starts(scene, every_start, told, free),
-        "integration": "; ".join(filter(None, (how or _integration(scene, slid, told), endings))),
+        "integration": ". ".join(filter(None, (how or _integration(scene, slid, told), endings))),
     }
 
 
@@ -129,7 +132,9 @@ def caption(
     signs = f"; a region is named by the signs of {listed([f'g{k + 1}' for k in range(count)])}"
     signs *= not system.two_sided and count > 0
     laws = f"{'; '.join(_in_a_sentence(parts['equations'].split('; ')))}{signs}"
-    laws = laws if len(parts["equations"]) <= LONGEST else OMITTED
+    if len(parts["equations"]) > LONGEST:
+        surfaces = [one for one in _in_a_sentence(parts["equations"].split("; ")) if SURFACE.match(one)]
+        laws = "; ".join([OMITTED, *surfaces] if len("; ".join(surfaces)) <= LONGEST else [OMITTED])
     runs = _with_methods(parts["integration"], known=system.laws.most_conserved > 0)
     sentences = [f"{told[0].upper()}{told[1:]}." for told in (f"{laws}{values}", parts["starts"], runs)]
     return f"{named(scene, heading)}. {printed(indexed(' '.join(sentences)))}"
@@ -189,22 +194,21 @@ def _parameters(scene: Scene, told: Told, free: str) -> str:
 def _starts(scene: Scene, every: bool, told: Told, free: str) -> str:
     """Return all starts, in the order of the numbers that mark them; or the selected one, with its number.
 
-    Of a variable that has many values the name stands in the place of its value.
+    Of a variable that has many values no value is told.
     """
     count, chosen = len(scene.starts), min(scene.selected, len(scene.starts) - 1)
     used = scene.starts if every else scene.starts[chosen : chosen + 1]
     variables = scene.declaration.variables
-    numbers = [
-        [f"= {variable_name(name)}" if name == free else told(x) for name, x in zip(variables, start, strict=True)]
-        for start in used
-    ]
+    if free in variables:
+        pairs = zip(variables, used[0], strict=True)
+        rest = ", ".join(f"{variable_name(name)} {told(x)}" for name, x in pairs if name != free)
+        return printed(f"initial states ({', '.join(map(variable_name, variables))}){f' with {rest}' * bool(rest)}")
+    numbers = [[told(x) for x in start] for start in used]
     points = "; ".join(f"({', '.join(text.split(' ')[1] for text in point)})" for point in numbers)
     sign = "≈" if any(text.startswith("≈") for point in numbers for text in point) else "="
     names = ", ".join(map(variable_name, variables))
     which = f", start {chosen + 1} of {count}" if len(used) < count else ""
     head = f"initial states 1 {'and' if count == 2 else 'to'} {count}:" if len(used) > 1 else "initial state"
-    if free in variables:
-        head, which = "initial states", ""
     return printed(f"{head} ({names}) {sign} {points}{which}")
 
 

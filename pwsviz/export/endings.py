@@ -18,7 +18,7 @@ FEW = 3
 
 
 def endings(runs: Sequence[DrawnRun]) -> str:
-    """Return which runs ended before the end time, where and why; empty if none did.
+    """Return a sentence, without its stop, on which runs end before the end time, where and why; empty if none does.
 
     Parameters
     ----------
@@ -30,15 +30,18 @@ def endings(runs: Sequence[DrawnRun]) -> str:
         times = [float(one.run.t[-1]) for one in early]
         first, last = (f"{time:.6g}" for time in (min(times), max(times)))
         when = f"at t = {first}" if first == last else f"between t = {first} and {last}"
-        which = "all" if len(early) == len(runs) else f"{len(early)} of the"
-        return printed(f"but {which} {len(runs)} runs ended earlier, {when}")
+        which = "All" if len(early) == len(runs) else f"{len(early)} of the"
+        return printed(f"{which} {len(runs)} runs end before that, {when}")
     several = len({one.start for one in runs}) > 1
     alike: dict[str, list[str]] = {}
     for one in early:
         start = f" from start {one.start}" if several else ""
         alike.setdefault(_ending(one), []).append(f"{one.run.method}{start}")
-    told = "; ".join(printed(f"{listed(names)} ended {words}") for words, names in alike.items())
-    return f"but {told}" if told else ""
+    if len(alike) == 1 and len(early) == len(runs):
+        who = {1: "The run ends", 2: "Both runs end"}.get(len(runs), "All runs end")
+        return printed(f"{who} {next(iter(alike))}")
+    ends = (f"{listed(names)} end{'s' * (len(names) == 1)} {words}" for words, names in alike.items())
+    return "; ".join(map(printed, ends))
 
 
 def _ending(one: DrawnRun) -> str:

@@ -23,7 +23,7 @@ def short_caption(
 
     Of how a study was made it has the first clause, the integrator, and what is unusual at crossings.
     """
-    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, free=free, told=brief)
+    parts = about(scene, how=how, every_start=every_start, slid=slid, free=free, told=brief)
     known = [q for q in scene.declaration.parameters if q.name != free]
     values = ", ".join(f"{short_name(q)} {brief(scene.values[q.name])}" for q in known)
     first, *further = parts["integration"].split("; ")
@@ -33,8 +33,8 @@ def short_caption(
         one for one in further
         if one.startswith("integrated by ") or (one.startswith(f"{met} ") and one.partition(". ")[0] != usual)
     ]  # fmt: skip
-    told = "; ".join([first, *needed, *([endings] if endings else [])])
-    sentences = [*filter(None, [_starts(scene, parts["starts"], every_start)]), told]
+    told = "; ".join([first, *needed])
+    sentences = [*filter(None, [_starts(scene, parts["starts"], every_start), told, endings])]
     said = [*filter(None, [values]), *(f"{one[0].upper()}{one[1:]}" for one in sentences)]
     begin = f"{named(scene, heading)}{':' if values else '.'}"
     return f"{begin} {printed(indexed('. '.join(said).rstrip('.')))}."

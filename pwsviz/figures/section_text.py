@@ -76,7 +76,8 @@ def _ended(outcome: SectionPoints, reason: str, which: list[int]) -> str:
         found = f"no point{by}"
         if not inputs.discard:
             reason = f"{'h' if inputs.of else 'g'} does not {_NO_ZERO[inputs.direction]} on the way; {reason}"
-    return f"{_named(which, names)} ended with {found}: {reason}."
+    who = _named(which, names) if len(outcome.statuses) > 1 else "The run has"
+    return f"{who} ended with {found}: {reason}."
 
 
 def _named(which: list[int], names: str) -> str:
@@ -90,12 +91,22 @@ def section_how(outcome: SectionPoints) -> str:
     step = f"tolerance {inputs.scheme.tolerance:.3g}" if adaptive else f"step size τ = {inputs.tau:.15g}"
     left = f", after the first {inputs.discard:,} are discarded" if inputs.discard else ""
     after = reset_words(inputs.problem.declaration, inputs.of)
-    each = " of each start" * (len(outcome.statuses) > 1)
-    points = f"at most {plural(inputs.points, 'point')}{each}{left}"
     system = inputs.problem.declaration
     crossings = at_surface(met_at_surfaces(system), inputs.scheme.locate, inputs.scheme.slide and may_slide(system))
     by = f"integrated by {inputs.scheme.method} with {step}; {crossings}"
-    return " ".join([f"points on {surface_words(inputs)}{after}: {points}; {by}.", *_short_ones(outcome)]).rstrip(".")
+    return " ".join(
+        [f"{_drawn(outcome)} on {surface_words(inputs)}{after}{left}; {by}.", *_short_ones(outcome)]
+    ).rstrip(".")
+
+
+def _drawn(outcome: SectionPoints) -> str:
+    """Return how many points of how many starts there are, and at most how many of each if these differ."""
+    counts = outcome.counts
+    total = plural(sum(counts), "point")
+    if len(counts) == 1:
+        return total
+    each = f"{counts[0]:,} of each" if len({*counts}) == 1 else f"at most {outcome.inputs.points:,} of each"
+    return f"{total} of {len(counts)} starts ({each})"
 
 
 def section_rows(outcome: SectionPoints) -> dict[str, NDArray[Any]]:

@@ -53,7 +53,7 @@ def has_one_law(system):
 def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
     assert equations(core.CATALOGUE["henon_heiles"])[0].startswith("x′ = u, ")
     told = caption(scene_of(core.CATALOGUE["three_bodies"]), "Order")
-    assert "two of them hard”. The equations are given in the text; D = 0.6, ε = 0.5. Initial state (x₁, y₁, " in told
+    assert "”. The equations are given in the text; g = (x₁ − x₂)² + (y₁ − y₂)² − D², S = {g = 0}; D = 0.6, " in told
     assert "; for g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
     assert "”. The law is x′ = u, " in caption(scene_of(core.CATALOGUE["henon_heiles"]), "Order")
     assert "”. In region −−: x′ = " in caption(scene_of(core.CATALOGUE["chua"]), "Order")
@@ -126,10 +126,8 @@ def test_the_start_of_a_study_is_named_and_sliding_only_where_a_run_slides():
     scene = Scene(starts=((-1.0, -1.0), (-1.0, -0.5)), selected=1)
     assert about(scene)["starts"] == "initial states 1 and 2: (x, y) = (−1, −1); (−1, −0.5)"
     assert about(scene, every_start=False)["starts"] == "initial state (x, y) = (−1, −0.5), start 2 of 2"
-    assert about(scene, every_start=False, free="x")["starts"] == "initial states (x, y) = (x, −0.5)", (
-        "a study varies x"
-    )
-    assert "Initial states (x, y) = (x, −0.5)." in caption(scene, "Outcomes", every_start=False, free="x")
+    assert about(scene, every_start=False, free="x")["starts"] == "initial states (x, y) with y = −0.5", "x is varied"
+    assert "Initial states (x, y) with y = −0.5." in caption(scene, "Outcomes", every_start=False, free="x")
     assert "sliding" in caption(scene, "Phase portrait")
     assert "sliding" not in caption(scene, "Phase portrait", slid=False)
 

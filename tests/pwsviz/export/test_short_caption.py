@@ -53,11 +53,13 @@ def test_a_run_that_ended_early_is_told_with_its_time_everywhere():
     system = core.CATALOGUE["bouncing_ball"]
     run = core.integrate(system, (0.0, 5.0), tau=0.01)
     told = endings([DrawnRun(1, run)])
-    assert told.startswith("but dmm2 ended at t = 1.35526, where jumps accumulate (Zeno)")
+    assert told == "The run ends at t = 1.35526, where jumps accumulate (Zeno)"
     scene = scene_of(system)
     for words in (caption(scene, "State", endings=told), short_caption(scene, "State", endings=told)):
-        assert "ended at t = 1.35526" in words
-    assert "ended at t = 1.35526" in about(scene, endings=told)["integration"]
-    assert endings([DrawnRun(1, core.integrate(system, (0.0, 1.0), tau=0.01))]) == ""
-    assert "from start 2" in endings([DrawnRun(1, run), DrawnRun(2, run)])
-    assert endings([DrawnRun(k, run) for k in range(1, 6)]) == "but all 5 runs ended earlier, at t = 1.35526"
+        assert "ends at t = 1.35526" in words
+    assert "ends at t = 1.35526" in about(scene, endings=told)["integration"]
+    whole = core.integrate(system, (0.0, 1.0), tau=0.01)
+    assert endings([DrawnRun(1, whole)]) == ""
+    assert endings([DrawnRun(1, whole), DrawnRun(2, run)]).startswith("dmm2 from start 2 ends at t = 1.35526, ")
+    assert endings([DrawnRun(1, run), DrawnRun(2, run)]) == told.replace("The run ends", "Both runs end")
+    assert endings([DrawnRun(k, run) for k in range(1, 6)]) == "All 5 runs end before that, at t = 1.35526"

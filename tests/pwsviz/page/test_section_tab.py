@@ -149,10 +149,7 @@ def test_files_and_captions_tell_the_surface(islands):
     _, tab = islands
     assert list(tab.table())[:3] == ["start", "point", "t"]
     how = tab.how(tab.outcome)
-    assert (
-        "points on S: g = 0, met from one side only, just after the reset map: at most 200 points of each start; "
-        in how
-    )
+    assert "(200 of each) on S: g = 0, met from one side only, just after the reset map; " in how
     assert tab.pictures() == [tab.view.figure]
     assert "A number marks the first point of each start." in tab.note.object
 
