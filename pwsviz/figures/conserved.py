@@ -55,6 +55,9 @@ from pwsviz.results.error_curve import ErrorCurve
 FLOOR = MACHINE_EPSILON / 8
 """|Change of ψ| at which smaller ones and exact zeros are drawn, since a logarithmic axis has no place for them."""
 
+FOOT, BOTTOM = FLOOR / 7, FLOOR / 25
+"""Heights of the marks of crossings, below every curve, and of the lower end of the axis."""
+
 TICK = 8
 """Size in pixels of the mark of a crossing."""
 
@@ -109,7 +112,7 @@ class ConservedView:
         look: dict[str, Any] = {"marker": "triangle", "line_color": "colour", "fill_color": "colour", "size": 12}
         exits = plot.add_glyph(self.exits, Scatter(x="t", **look))
         plot.add_tools(tips([("", "@words")], renderers=[exits]))
-        self.corners = fit_to_corners(plot, [0.0, 1.0], [FLOOR / 2, 1e-2])
+        self.corners = fit_to_corners(plot, [0.0, 1.0], [BOTTOM, 1e-2])
 
     def _tick_glyphs(self) -> None:
         plot = self.figure
@@ -149,7 +152,7 @@ class ConservedView:
         self._show_round_off(errors[0])
         top = max(float(np.fmax.reduce(y, initial=1e-14)) for y in (*heights, self.round_off.data["y"]))
         end = max(curve.t_end for curve in errors)
-        assign(self.corners, x=[0.0, end or 1.0], y=[FLOOR / 2, 2 * top])
+        assign(self.corners, x=[0.0, end or 1.0], y=[BOTTOM, 2 * top])
         only_g = CHANGE_OF_PSI not in axis_name(errors)
         what = SUMMARY.replace("the conserved quantity", "g while sliding") if only_g else SUMMARY
         describe(self.figure, f"{what}. {conserved_text(errors)}")
@@ -187,7 +190,7 @@ class ConservedView:
         assign(
             self.instants,
             t=t,
-            foot=np.full(count, FLOOR / 1.5),
+            foot=np.full(count, FOOT),
             x=places[:, 0],
             y=places[:, 1],
             **looks,

@@ -16,10 +16,13 @@ from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 from pwsviz.text.math_names import variable_name
 
-__all__ = ["OF_OTHERS", "alongside_columns", "curve_columns", "fitted_widths", "step_columns"]
+__all__ = ["OF_OTHERS", "alongside_columns", "curve_columns", "fitted_widths", "step_columns", "thin_shares"]
 
 OF_OTHERS = 0.5
 """Width of the curves of other starts, relative to those of the selected one."""
+
+THINNER = 0.5
+"""Width of the curves of each further body alongside, relative to those of the one before."""
 
 TOUCH = 0.45
 """Width of the widest curve, relative to the distance between its turns, from which on all curves are thinner."""
@@ -28,19 +31,28 @@ THINNEST = 0.7
 """Width in pixels of a curve whose turns touch all the same."""
 
 
-def curve_columns(orbits: Sequence[Orbit], view: Window | None, thinner: float = 1.0) -> dict[str, list[Any]]:
-    """Return a row for each orbit, of curves `thinner` times as wide as usual."""
+def curve_columns(orbits: Sequence[Orbit], view: Window | None, shares: Sequence[float] = ()) -> dict[str, list[Any]]:
+    """Return a row for each orbit; `shares` are the widths of the curves relative to the usual ones, else 1."""
     return {
         "xs": sent([orbit.path[:, 0] for orbit in orbits]),
         "ys": sent([orbit.path[:, 1] for orbit in orbits]),
         **look_columns([orbit.method for orbit in orbits]),
-        "width": fitted_widths(orbits, view, thinner),
+        "width": fitted_widths(orbits, view, shares),
     }
 
 
-def fitted_widths(orbits: Sequence[Orbit], view: Window | None, thinner: float) -> list[float]:
-    """Return the width of each curve: the usual one, or less where its turns would touch."""
-    usual = [thinner * line.width for line in together(line_of(orbit.method) for orbit in orbits)]
+def thin_shares(pictures: Pictures) -> list[float]:
+    """Return the relative widths of the thin curves: of bodies alongside, each one is thinner than the one before."""
+    shares = [OF_OTHERS] * len(pictures.others)
+    for k, orbits in enumerate(pictures.alongside.values()):
+        shares += [OF_OTHERS * THINNER**k] * len(orbits)
+    return shares
+
+
+def fitted_widths(orbits: Sequence[Orbit], view: Window | None, shares: Sequence[float] = ()) -> list[float]:
+    """Return the width of each curve: its share of the usual one, or less where its turns would touch."""
+    lines = together(line_of(orbit.method) for orbit in orbits)
+    usual = [share * line.width for share, line in zip(shares or [1.0] * len(orbits), lines, strict=True)]
     if view is None:
         return usual
     fits = [min(1.0, TOUCH * spacing(orbit.path, view) / WIDEST) for orbit in orbits]

@@ -24,10 +24,11 @@ from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
-from pwsviz.figures.orbit_lines import OF_OTHERS, alongside_columns, curve_columns, fitted_widths, step_columns
+from pwsviz.figures.orbit_lines import alongside_columns, curve_columns, fitted_widths, step_columns, thin_shares
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
     AMBER,
+    GROUND,
     LOOK_COLUMNS,
     VERMILION,
     assign,
@@ -187,7 +188,7 @@ class PortraitView:
         self.dots = plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="colour", line_color="white"))
         self.methods, self.keys = legend_lines(plot)
         self.jumps = ColumnDataSource({"x": [], "y": []})
-        self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=AMBER, line_dash=[2, 4], line_width=2))
+        self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=AMBER, line_dash=[8, 3, 2, 3], line_width=1.5))
         self.trails = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "width", "alpha")})
         plot.add_glyph(self.trails, MultiLine(line_alpha="alpha", **looks))  # under all marks and numbers
 
@@ -230,7 +231,9 @@ class PortraitView:
         self.alongside = unseen(("x", "y", "label"))
         look = {"size": ALONGSIDE_SIZE, "fill_color": PALE_STAR, "line_color": AMBER, "line_width": 1.2}
         plot.add_glyph(self.alongside, Scatter(marker="circle", **look))
-        plot.add_glyph(self.alongside, Text(text="label", **{**letters, "text_color": AMBER}, **beside))
+        named: dict[str, Any] = {"text_font_size": "12px", "text_color": AMBER}
+        ground: dict[str, Any] = {"background_fill_color": GROUND, "background_fill_alpha": 0.8, "padding": 1}
+        plot.add_glyph(self.alongside, Text(text="label", **{**letters, **named}, **beside, **ground))
         self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size", "alpha")})
         look = {"size": "size", "fill_color": "colour", "fill_alpha": "alpha", "line_color": "white", "line_width": 1.5}
         plot.add_glyph(self.moving, Scatter(marker="marker", **look))
@@ -324,7 +327,7 @@ class PortraitView:
         view = self._visible or self.frame
         self.orbits.data = curve_columns(pictures.orbits, view)
         show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
-        assign(self.others, **curve_columns(pictures.thin, view, OF_OTHERS))
+        assign(self.others, **curve_columns(pictures.thin, view, thin_shares(pictures)))
         marked = crossing_columns(pictures.numbered, pictures.inputs.index + 1)
         self.marks.name(marked)
         assign(self.crossings, **marked)
@@ -391,8 +394,9 @@ class PortraitView:
     def _fit_widths(self, pictures: Pictures) -> None:
         """Give the curves the widths that suit the view, without sending the curves."""
         view = self._visible or self.frame
-        for source, orbits, share in ((self.orbits, pictures.orbits, 1.0), (self.others, pictures.thin, OF_OTHERS)):
-            widths = fitted_widths(orbits, view, share)
+        thin = thin_shares(pictures)
+        for source, orbits, shares in ((self.orbits, pictures.orbits, []), (self.others, pictures.thin, thin)):
+            widths = fitted_widths(orbits, view, shares)
             if len(widths) == len(source.data["width"]) and widths != list(source.data["width"]):
                 source.patch({"width": list(enumerate(widths))})
 

@@ -190,7 +190,8 @@ def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
     words = f"Projection onto the plane of {plane}, in which {listed(lost)} cannot be drawn."
     if alike:
         marks = f"marks of {met_at_surfaces(system)} refer to {plane}"
-        words += f" Thin lines show {'; '.join(alike)}, and discs where they start; {marks}."
+        paler = ", each thinner than the one before," * (len(alike) > 1)
+        words += f" Thin lines show {'; '.join(alike)}{paler} and discs where they start; {marks}."
     return words
 
 

@@ -42,6 +42,9 @@ CEILING = 1.0
 LIMIT = "largest successful τ: "
 """Legend of the lines, before the name of the integrator."""
 
+REACH = 0.11
+"""Part of the height of the map by which these lines extend above and below the start for which they hold."""
+
 PLACE = "chosen τ and start"
 """Legend of the cross."""
 
@@ -108,9 +111,10 @@ class MapFigure:
 
     def _limit_glyphs(self) -> GlyphRenderer[Any]:
         """Make the lines at the largest step size that works for each integrator; return these."""
-        self.limits = ColumnDataSource({name: [] for name in ("x", "colour", "dash", "entry")})
-        self.figure.vspan("x", source=self.limits, line_color="#FFFFFF", line_width=5)
-        return self.figure.vspan("x", source=self.limits, line_color="colour", line_dash="dash", line_width=2.5)
+        self.limits = ColumnDataSource({name: [] for name in ("x", "low", "high", "colour", "dash", "entry")})
+        ends: dict[str, Any] = {"x0": "x", "y0": "low", "x1": "x", "y1": "high", "source": self.limits}
+        self.figure.segment(**ends, line_color="#FFFFFF", line_width=5)
+        return self.figure.segment(**ends, line_color="colour", line_dash="dash", line_width=2.5)
 
     def _place_glyphs(self) -> list[GlyphRenderer[Any]]:
         """Make the cross at the step size and the start of the page: a dark one on a light one, seen on every cell."""
@@ -138,8 +142,7 @@ class MapFigure:
         self._ended.visible = what == "error" and bool(rows["ended"].any())
         self._show_limits(study)
         if study.map is not None:
-            across, up = _edges(np.log(study.map.taus)), _edges(study.map.values)
-            assign(self.corners, x=np.exp(across[[0, -1]]), y=up[[0, -1]])
+            assign(self.corners, x=study.map.taus[[0, -1]], y=study.map.values[[0, -1]])
 
     def mark(self, tau: float, value: float) -> None:
         """Put the cross at a step size and a coordinate of the start."""
@@ -147,12 +150,17 @@ class MapFigure:
         self._place.visible = True
 
     def _show_limits(self, study: core.StabilityStudy) -> None:
-        largest = study.largest_tau
-        there = [] if largest is None else np.flatnonzero(largest.found).tolist()
+        """Draw the lines about the start for which they hold, within the ends of the map."""
+        start = float(study.x0[study.coordinate])
+        bottom, top = (start, start) if study.map is None else study.map.values[[0, -1]].tolist()
+        reach, largest = REACH * (top - bottom), study.largest_tau
+        there = [] if largest is None or study.map is None else np.flatnonzero(largest.found).tolist()
         names = [study.methods[k] for k in there]
         self._limit.visible = bool(there)
         self.limits.data = {
             "x": [] if largest is None else largest.tau[there],
+            "low": [min(max(start - reach, bottom), top) for _ in there],
+            "high": [max(min(start + reach, top), bottom) for _ in there],
             "colour": [line_of(name).colour for name in names],
             "dash": [list(line.dash) for line in together(map(line_of, names))],
             "entry": [LIMIT + name for name in names],

@@ -50,6 +50,7 @@ LAKE = "#2B7CA8"  # of level sets, with sand
 SAND = "#776B52"
 GREY = "#4A4A4A"
 PALE_GREY = "#767676"
+GROUND = "#FEFEFE"  # behind names among curves: a white that is another one in the dark
 
 RULE = "#7A7A7A"
 """Grey of what Bokeh draws beside the glyphs, which keeps its colour: as far from light as from dark ground."""
@@ -57,7 +58,7 @@ RULE = "#7A7A7A"
 ON_DARK = {
     BLUE: "#2D81C7", VERMILION: "#D55E01", GREEN: "#19A87B", ORANGE: "#E9A005", SKY: "#65BEF3", PURPLE: "#E18DBC",
     VIOLET: "#BD31FF", OCHRE: "#BDA55D", BROWN: "#947947", BERRY: "#B7608F", AMBER: "#C98A10", LAKE: "#5DB3E6",
-    SAND: "#B5A88F", CALM: "#34507A", GREY: "#A8A8A8", PALE_GREY: "#CFCFCF",
+    SAND: "#B5A88F", CALM: "#34507A", GREY: "#A8A8A8", PALE_GREY: "#CFCFCF", GROUND: "#121212",
 }  # fmt: skip
 """The same on dark ground, where the browser paints these in their place (see `widgets.browser`)."""
 

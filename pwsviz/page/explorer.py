@@ -310,7 +310,7 @@ class Explorer(pn.viewable.Viewer):
             means = panel.portrait.ground.meaning(
                 "the trajectory" + f" from initial state {self.scene.selected + 1}" * several
             )
-            joined = "Dotted lines join the states before and after jumps." * panel.portrait.joins_jumps
+            joined = "Dash-dotted lines join the states before and after jumps." * panel.portrait.joins_jumps
             note = portrait_note(self.scene.declaration, shown.axes, caption=True)
             means = " ".join(filter(None, [means, joined, note]))
             pieces = [Piece("Phase portrait", tables, drawn, slid=slid, meaning=means, endings=endings(runs))]

@@ -202,7 +202,7 @@ const tone_figures = on_dark => {
     set_visuals.apply(this, given)
     if (!is_dark(this.renderer.plot_view)) { dark.delete(this.renderer); return }
     dark.add(this.renderer)
-    for (const name of ["line_color", "fill_color", "text_color"]) {
+    for (const name of ["line_color", "fill_color", "text_color", "background_fill_color"]) {
       const colours = this[name]
       if (colours == null) { continue }
       if (colours.is_Scalar()) { colours.value = toned(colours.value); continue }

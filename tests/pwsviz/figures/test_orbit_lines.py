@@ -24,7 +24,7 @@ def usual(pictures):
 @pytest.mark.parametrize("link", ["", "system=bouncing_ball"])
 def test_curves_whose_turns_lie_apart_or_on_one_another_have_their_usual_widths(link):
     _, pictures = drawn(link)
-    assert fitted_widths(pictures.orbits, extent(pictures), 1.0) == usual(pictures)
+    assert fitted_widths(pictures.orbits, extent(pictures)) == usual(pictures)
 
 
 def test_a_dense_spiral_is_thin_and_wider_where_it_is_zoomed_apart():

@@ -16,6 +16,7 @@ from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
 from pwsviz.figures.section import START_COLOURS
 from pwsviz.figures.style import (
     CALM,
+    GROUND,
     LEVEL,
     OCCUPIED,
     ON_DARK,
@@ -114,7 +115,7 @@ def grounds(page):
 
 
 CURVES = {line_of(name).colour for name in core.METHODS} | {line.colour for line in (*LINES, *EXTERNAL_LINES.values())}
-MARKS = {*KIND_COLOURS.values(), *(look.colour for look in ENDS.values()), *START_COLOURS, *ON_DARK} - {CALM}
+MARKS = {*KIND_COLOURS.values(), *(look.colour for look in ENDS.values()), *START_COLOURS, *ON_DARK} - {CALM, GROUND}
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -139,8 +139,9 @@ def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
     ]  # fmt: skip
     assert planes_alike(bodies, (0, 2)) == [], "x1 and x2 span a plane of their own"
     assert axis_labels(bodies, (0, 1)) == ("x₁, x₂, x₃ (6 other variables not shown)", "y₁, y₂, y₃")
-    assert "x₂, y₂; x₃, y₃, and discs where they start; marks of jumps refer to x₁, y₁." in portrait_note(
-        bodies, (0, 1)
+    assert (
+        "x₂, y₂; x₃, y₃, each thinner than the one before, and discs where they start; marks of jumps refer to x₁, y₁."
+        in portrait_note(bodies, (0, 1))
     )
     walled = core.PiecewiseSystem(
         name="Two beads, a wall for one", variables=("x1", "v1", "x2", "v2"), g="x1",

@@ -39,7 +39,7 @@ def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbe
 )
 def test_lines_of_jumps_are_told_of_where_jumps_move_what_is_drawn(explorer, system, joined):
     portrait, _ = told_of(explorer, system=system, view="state")
-    assert ("Dotted lines join the states before and after jumps." in portrait) == joined
+    assert ("Dash-dotted lines join the states before and after jumps." in portrait) == joined
 
 
 def test_a_projection_says_what_it_leaves_out_and_nothing_of_controls(explorer):
