@@ -133,6 +133,7 @@ class Scene(param.Parameterized):
     def __init__(self, **params: Any) -> None:
         self._no_defaults = False
         self._timed = ""  # the system whose end time was considered last
+        self._stands_in = False  # whether the state is shown in place of a ψ that the system lacks
         self.loads = 0
         super().__init__(**params)
         chosen = self.declaration
@@ -202,7 +203,7 @@ class Scene(param.Parameterized):
         """Set all settings at once to those of a scene, as `settings` returned them."""
         with self._without_defaults():
             self.param.update(**settings)
-        self._timed = self.system
+        self._timed, self._stands_in = self.system, False
 
     def load(self, settings: Mapping[str, Any]) -> None:
         """Set some settings, and all others to their defaults; the user's own system is kept.
@@ -247,7 +248,7 @@ class Scene(param.Parameterized):
         changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": None, "window": None}
         checked_start(system, 0.0, system.x0)
         with self._without_defaults():
-            self.param.update(own=system, system=OWN, view=self._telling_view(system), **changes, **_PLAIN_STUDIES)
+            self._show(system, own=system, system=OWN, **changes)
         self.t_end = self._end_of_system()
 
     @param.depends("system", watch=True)
@@ -257,9 +258,9 @@ class Scene(param.Parameterized):
         if self.system == OWN and self.own is None:
             raise ValueError("There is no system of your own yet: write one first.")
         chosen = self.declaration
-        self.param.update(
-            values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=None, window=None,
-            t_end=self._end_of_system(), view=self._telling_view(chosen), **_PLAIN_STUDIES,
+        self._show(
+            chosen, values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=None, window=None,
+            t_end=self._end_of_system(),
         )  # fmt: skip
 
     @param.depends("axes", watch=True)
@@ -277,9 +278,16 @@ class Scene(param.Parameterized):
         if not self._no_defaults:
             self.sweep_range = None
 
-    def _telling_view(self, system: core.PiecewiseSystem) -> str:
-        """Return the view shown, or the state where that is empty: the system has no ψ to be conserved."""
-        return "state" if self.view == "conserved" and not system.laws.most_conserved else str(self.view)
+    def _show(self, system: core.PiecewiseSystem, /, **settings: Any) -> None:
+        """Set what comes with a system; the state stands in for the view of ψ until a system has one again."""
+        wanted = "conserved" if self._stands_in else str(self.view)
+        stands_in = wanted == "conserved" and not system.laws.most_conserved
+        self.param.update(view="state" if stands_in else wanted, **settings, **_PLAIN_STUDIES)
+        self._stands_in = stands_in
+
+    @param.depends("view", watch=True)
+    def _choose_view(self) -> None:
+        self._stands_in = False
 
     def _end_of_system(self) -> float:
         """Return the system's own end time, or the present one if that was not the system's before: the user's choice.

@@ -319,6 +319,26 @@ def test_a_system_without_psi_is_shown_with_its_state(system):
     assert scene.view == ("conserved" if known else "state")
 
 
+def test_the_state_stands_in_for_psi_only_until_a_system_has_one_again_or_a_view_is_chosen():
+    scene = Scene()
+    for name, view in (("relay_feedback", "state"), ("gene_switch", "state"), ("kepler", "conserved")):
+        scene.system = name
+        assert scene.view == view
+    scene.system = "relay_feedback"
+    scene.view = "order"
+    scene.view = "state"
+    scene.system = "kepler"
+    assert scene.view == "state", "chosen by the user"
+    scene.view = "conserved"
+    law = core.Region(("-y", "x"))
+    scene.use(
+        core.PiecewiseSystem("bare", variables=("x", "y"), surfaces=("x",), regions={"-": law, "+": law}, x0=(1.0, 0.0))
+    )
+    assert scene.view == "state"
+    scene.system = "kepler"
+    assert scene.view == "conserved"
+
+
 @pytest.mark.parametrize(("text", "value"), [("1/4", 0.25), ("sqrt(2)", 2**0.5), ("2pi", 2 * math.pi), ("10^-2", 0.01)])
 def test_numbers_may_be_typed_as_formulas(text, value):
     assert number(text, "It", -10.0, 10.0) == pytest.approx(value, rel=1e-15)
