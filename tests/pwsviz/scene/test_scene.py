@@ -330,7 +330,7 @@ def test_the_state_stands_in_for_psi_only_until_a_system_has_one_again_or_a_view
     scene.system = "kepler"
     assert scene.view == "state", "chosen by the user"
     scene.view = "conserved"
-    law = core.Region(("-y", "x"))
+    law = core.Region(("y", "-x - y"))
     scene.use(
         core.PiecewiseSystem("bare", variables=("x", "y"), surfaces=("x",), regions={"-": law, "+": law}, x0=(1.0, 0.0))
     )
