@@ -186,16 +186,18 @@ class _Check:
         texts = {name: self.items[name] for name in _SIDES}
         return Declaration.of_sides(self.variables, names, bounds, **texts, called=self.called, longest=MAX_DERIVATIVES)
 
-    def refuse_other_fields(self, others: Iterable[str], laws: str) -> None:
-        for name in others:
-            if self.texts[name].strip():
-                self.complain(name, f"Leave this empty: {laws} the laws of all regions")
+    def refuse_other_fields(self, own: str, others: Iterable[str], laws: str) -> None:
+        """Complain beside a field that gives all laws if others have some, too: it is not known which are meant."""
+        filled = [f"“{FIELDS[name].partition(',')[0]}”" for name in others if self.texts[name].strip()]
+        if filled:
+            self.complain(own, f"{laws} the laws of all regions: clear {listed(filled)}, or this field")
 
     def read_regions(
         self, names: tuple[str, ...], bounds: tuple[tuple[float, float] | None, ...]
     ) -> Regions | None:  # fmt: skip
         """Read regions by their signs or names; where that fails, complain."""
-        self.refuse_other_fields((*_SIDES, "psi"), "the regions below have")
+        first = next((name for name in REGION_FIELDS if self.texts[name].strip()), "regions")  # long texts are gone
+        self.refuse_other_fields(first, (*_SIDES, "psi"), "Regions have")
         parts = dict(read_parts(self.texts, self.variables, self.typed.read))
         for name, part in parts.items():
             if isinstance(part, ValueError):
@@ -212,7 +214,7 @@ class _Check:
         self, names: tuple[str, ...], bounds: tuple[tuple[float, float] | None, ...]
     ) -> OneField | None:  # fmt: skip
         """Find the regions of one field; where that fails, complain."""
-        self.refuse_other_fields((*_SIDES, *REGION_FIELDS), "the field f gives")
+        self.refuse_other_fields("f", (*_SIDES, *REGION_FIELDS), "The field f gives")
         try:
             if words := miscounted(self.items["f"], "expression", self.variables):
                 raise ValueError(words)

@@ -159,9 +159,9 @@ def test_walls_and_hysteresis_come_back_from_a_link_as_they_were_read(draft):
         ({"resets": "g1 => x, -q"}, "resets", "v⁺ at g1 = “-q”: unknown name “q”"),
         ({"resets": "g1 => x, -v\ng1 => x, v"}, "resets", "The surface g1 is there twice"),
         ({"transitions": "on: x"}, "transitions", "“on: x” is not a transition"),
-        ({"f_minus": "v, -x"}, "f_minus", "Leave this empty: the regions below have the laws of all regions"),
-        ({"f": "v, -abs(x)"}, "regions", "Leave this empty: the field f gives the laws of all regions"),
-        ({"psi": "v"}, "psi", "Leave this empty"),
+        ({"f_minus": "v, -x"}, "surfaces", "Regions have the laws of all regions: clear “Field f₋”, or this field"),
+        ({"f": "v, -abs(x)"}, "f", "The field f gives the laws of all regions: clear “Switching functions g1”, “Reg"),
+        ({"psi": "v"}, "surfaces", "clear “Conserved quantities ψ”, or"),
     ],
 )
 def test_a_mistake_in_regions_and_walls_is_told_beside_it(changes, field, says):
@@ -243,7 +243,7 @@ def test_one_field_comes_back_from_a_link_as_it_was_typed():
         ({"f": "v\n-x"}, "f", "Nothing switches"),
         ({"f": "v\n-q*abs(x)"}, "f", "v′ = “-q*abs(x)”: unknown name “q”"),
         ({"f": "-abs(x)"}, "f", "1 expression given, 2 needed"),
-        ({"g": "x"}, "g", "Leave this empty"),
+        ({"g": "x"}, "f", "clear “Switching function g”, or this field"),
         ({"psi": "x**2"}, "psi", "ψ where g < 0 = “x**2” is not conserved by the field where g < 0"),
         ({"f": "", "psi": "x", "g": "v", "f_minus": "v, -x", "f_plus": "v, -x"}, "psi", "which is empty"),
         ({"f": "v\nabs(abs(" * 30 + "x" + "))" * 30}, "f", "nested"),
