@@ -42,8 +42,8 @@ CITATION = (
 _USE = (
     "Click in the portrait to start a trajectory; drag a star to move its start, and press Delete to remove it. "
     "Double-click beside the stars to fit the portrait to the trajectories.",
-    "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor conserve ψ; Runge–Kutta methods (rk) in general "
-    "do not, and gauss4 conserves linear and quadratic ψ only.",
+    "Choose integrators to compare them: dmm2 to dmm8 (Discrete Multiplier Method), prk8 and taylor conserve ψ; "
+    "Runge–Kutta methods (rk) in general do not, and gauss4 conserves linear and quadratic ψ only.",
     "Each tab beside the portrait answers one question: is ψ conserved, how does the state change in time, what is the "
     "order, how exact are the times of crossings, what does an error cost, where does it meet a surface, which step "
     "sizes work, what does a parameter change, what is the scheme.",
@@ -52,8 +52,9 @@ _USE = (
     "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "
     "once a transient is over. Click in it to set the parameter. Behind “more”: which surface, how many points, and "
     "whether each run continues that of the value before.",
-    "Where both fields point to the surface, the solution slides along it (Filippov); the run follows it, or stops "
-    "there if that box is not ticked; a thick green line shows where, a dashed one where the surface repels.",
+    "Where both fields point to the surface, the solution slides along it (Filippov), as a block sticks under dry "
+    "friction; the run follows it, or stops there if that box is not ticked. A thick green line shows where, a dashed "
+    "one where the surface repels.",
     "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to see what it means.",
     "Where there are several surfaces, a region is named by the signs of their functions: +− is where the first is "
     "positive and the second negative. Shades tell neighbouring regions apart.",

@@ -50,10 +50,14 @@ FIRST_WAIT = "Compiling the integrators, once on this machine: a minute or two. 
 LONG_WAIT = 1500
 """Milliseconds after that until it is said that the first trajectory has to wait for compilation."""
 
+WARNS = 'class="stopped"'
+"""Part of the markup of words about runs that says of one that it may not be trusted; it stays by the portrait."""
+
 NARROW_CSS = f"""
 @media (width < {NARROW}px) {{ :host {{ display: contents !important; }} .aside {{ order: 2; }} }}
 """
-"""On a narrow screen the notes come after the view below the portrait: its tabs are then in sight, too."""
+ASIDE = ["aside"]
+"""On a narrow screen notes of this class come after the view below the portrait: its tabs are then in sight, too."""
 
 
 class PortraitPanel(pn.viewable.Viewer):
@@ -103,7 +107,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.readout = pn.pane.Bokeh(self.portrait.ground.readout, margin=(14, 4), sizing_mode="stretch_width")
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
-        self.note.css_classes = self.status.css_classes = ["aside"]
+        self.note.css_classes = self.status.css_classes = ASIDE
         self.trouble = text_pane("")
         self.progress = bar_pane("the phase portrait", margin=0)
         self.shown: Pictures | None = None
@@ -212,13 +216,14 @@ class PortraitPanel(pn.viewable.Viewer):
         """Write the figures of the selected runs below the portrait, and the warnings if these are known."""
         (runs, found), inputs = self._warnings, shown.inputs
         warnings = found if runs == (*inputs.selected, *inputs.others) else ()
-        self.status.object = "".join(
+        words = "".join(
             [
                 as_text(figures_of(shown, warnings), "about"),
                 run_lines(shown.summaries, warnings),
                 as_text(parted_words(shown), "stopped"),
             ]
         )
+        self.status.param.update(object=words, css_classes=[] if WARNS in words else ASIDE)
 
     def _aim_first(self, shown: Pictures) -> None:
         """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""

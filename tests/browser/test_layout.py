@@ -197,6 +197,15 @@ def test_on_a_phone_the_view_begins_on_the_screen_of_the_portrait(visit, system)
 
 
 @pytest.mark.deep
+def test_on_a_phone_the_words_on_a_run_that_blows_up_stand_between_the_portrait_and_the_view(visit):
+    page = visit(420, 800, query="v=2&tau=0.4")
+    words = page.get_by_text(re.compile("^rk2: .*the numerical solution blows up")).locator("visible=true")
+    assert becomes(page, lambda: words.count() == 1)
+    place, tab = words.bounding_box()["y"], page.get_by_role("tab").first.bounding_box()["y"]
+    assert canvas(page, "Phase portrait").bounding_box()["y"] < place < tab
+
+
+@pytest.mark.deep
 def test_on_a_phone_the_first_screen_says_what_the_page_is_and_what_to_try(phone):
     words = phone.get_by_text(re.compile("see what is conserved.*Tap in the portrait")).locator("visible=true")
     assert words.count() == 1

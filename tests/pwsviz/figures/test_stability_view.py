@@ -332,6 +332,15 @@ def test_a_map_of_solutions_that_end_early_says_so(study):
     assert "the solution itself" not in stability_text(completed, "map")
 
 
+def test_starts_from_which_the_solution_meets_no_surface_are_counted():
+    swings = core.stability_study(
+        core.CATALOGUE["pendulum"], methods=("rk4",), taus=np.array([0.01, 0.1]), values=np.array([-1.0, -0.3, 0.2]),
+        t_span=(0.0, 5.0), parts=("map",),
+    )  # fmt: skip
+    told = "For 2 of the 3 initial states the solution has no crossings to t = 5."
+    assert told in stability_text(swings, "map"), "swings of less than 0.5 do not reach the surface q = 0.5"
+
+
 def test_the_text_gives_the_grid_and_for_which_start_the_lines_hold(study):
     told = stability_text(study, "map")
     assert told.startswith("6 × 5 values: τ from ")
