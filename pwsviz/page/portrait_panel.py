@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -16,6 +15,7 @@ from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.projection import PLANE, Axes
 from pwsviz.geometry.window import Window
 from pwsviz.page.player import Player
+from pwsviz.page.starts_by_hand import StartsByHand, digits_of
 from pwsviz.page.window_fields import Ends, WindowFields
 from pwsviz.results.orbits import Levels
 from pwsviz.results.requests import InitialValueProblem, RunInputs, run_inputs
@@ -90,13 +90,14 @@ class PortraitPanel(pn.viewable.Viewer):
         super().__init__()
         self.scene, self.results, self.scheduler = scene, results, scheduler
         self._on_wait, self._on_show, self._on_end, self._on_hold = on_wait, on_show, on_end, on_hold
+        self.starts = StartsByHand(scene, self._plane, self._refuse)
         self.portrait = PortraitView(
             on_window=self._look_at,
-            on_place=self.place,
+            on_place=self.starts.place,
             on_move=self._drag,
             on_drop=lambda: on_hold(False),
-            on_remove=self.remove,
-            on_select=self._select,
+            on_remove=self.starts.remove,
+            on_select=self.starts.select,
             on_zoom=self._keep_window,
             on_fit=self.fit,
             on_double_click=self._fit_instead,
@@ -114,7 +115,6 @@ class PortraitPanel(pn.viewable.Viewer):
         self._warnings: tuple[Any, tuple[str, ...]] = (None, ())  # runs, and what is said against their steps
         self._aimed_at: tuple[Any, Any, int] = (None, None, -1)  # system, plane, and loads of the scene
         self._told: Any = None
-        self._placed: tuple[dict[str, Any], ...] = ({}, {})  # the starts before and after the last click
         self._fitted: Window | None = None  # what was shown last while the scene had no window
         scene.param.watch(lambda event: None if event.new == self._told else self._aim(self._fitted), "window")
         self._visible: Window | None = None
@@ -258,7 +258,7 @@ class PortraitPanel(pn.viewable.Viewer):
     def _seen(self) -> Ends:
         """Return the ends of what is visible, rounded to about a pixel."""
         seen = self._visible or self.portrait.frame or Window(-1.0, 1.0, -1.0, 1.0)
-        digits = _digits(seen)
+        digits = digits_of(seen)
         return tuple(round(end, digits) for end in seen)
 
     def fit(self) -> None:
@@ -359,54 +359,27 @@ class PortraitPanel(pn.viewable.Viewer):
 
     # What the user does in the portrait ------------------------------------------------------------------------------
 
-    def place(self, x: float, y: float) -> None:
-        """Add a trajectory that starts at a point of the plane."""
-        before = self._starts()
-        self._try(lambda: self.scene.place(self._state(x, y, self.scene.x0)))
-        self._placed = before, self._starts()
+    def _plane(self) -> tuple[Window, Axes]:
+        """Return what is visible, and the variables that span it."""
+        view = self._visible or self.portrait.frame
+        assert view is not None  # noqa: S101  (a click needs a picture)
+        return view, self.shown.axes if self.shown is not None else (0, 1)
+
+    def _refuse(self, reason: ValueError) -> None:
+        """Say why nothing can start there, and put back a star that was dropped there."""
+        self.trouble.object = complaint(reason)
+        if self.shown is not None:
+            self._mark_starts()
 
     def _fit_instead(self) -> None:
         """Take back what the first click of two has placed, and show the trajectories there were."""
-        before, after = self._placed
-        if self._starts() == after:
-            self.scene.param.update(**before)
+        if self.starts.take_back():
             self.trouble.object = ""
         self.fit()
 
-    def _starts(self) -> dict[str, Any]:
-        return {"starts": self.scene.starts, "selected": self.scene.selected}
-
-    def move(self, index: int, x: float, y: float) -> None:
-        """Move the start of a trajectory to a point of the plane."""
-        if index < len(self.scene.starts):
-            self._try(lambda: self.scene.move(index, self._state(x, y, self.scene.starts[index])))
-
     def _drag(self, index: int, x: float, y: float) -> None:
         self._on_hold(True)
-        self.move(index, x, y)
-
-    def remove(self, index: int) -> None:
-        """Remove a trajectory."""
-        if index < len(self.scene.starts):
-            self._try(lambda: self.scene.remove(index))
-
-    def _select(self, index: int) -> None:
-        if index < len(self.scene.starts):
-            self.scene.selected = index
-
-    def _state(self, x: float, y: float, others: Start) -> Start:
-        """Return the state at a point, rounded to about a pixel; coordinates that are not shown come from `others`."""
-        view = self._visible or self.portrait.frame
-        assert view is not None  # noqa: S101  (a click needs a picture)
-        return at_point(x, y, view, others, self.shown.axes if self.shown is not None else (0, 1))
-
-    def _try(self, change: Callable[[], None]) -> None:
-        try:
-            change()
-        except ValueError as reason:
-            self.trouble.object = complaint(reason)
-            if self.shown is not None:
-                self._mark_starts()  # puts back a star that was dropped where nothing can start
+        self.starts.move(index, x, y)
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return portrait, player and notes in a column."""
@@ -427,20 +400,8 @@ def around(starts: Sequence[Start]) -> Window:
     return Window(-half, half, -half, half)
 
 
-def at_point(x: float, y: float, view: Window, others: Start, axes: tuple[int, int] = (0, 1)) -> Start:
-    """Return the state at a point of the plane, rounded to about a pixel; the other coordinates come from `others`."""
-    digits = _digits(view)
-    shown = {axes[0]: round(x, digits), axes[1]: round(y, digits)}
-    return tuple(shown.get(k, value) for k, value in enumerate(others))
-
-
 def _ground_of(shown: Pictures, window: Window) -> tuple[InitialValueProblem, Window, Levels, Axes]:
     """Return the arguments of `Results.backdrop` for these curves."""
     levels = shown.orbits[0].levels  # of one integrator only: one that drifts has a new level each turn
     met = {mode for orbit in shown.others for mode, _ in orbit.levels} - dict(levels).keys()
     return shown.inputs.selected[0].problem, window, (*levels, *((mode, ()) for mode in sorted(met))), shown.axes
-
-
-def _digits(view: Window) -> int:
-    """Return to how many digits a coordinate has to be rounded to keep about a pixel of a view."""
-    return 3 - math.floor(math.log10(max(view.width, view.height)))
