@@ -10,6 +10,7 @@ from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.glyphs import Line, Scatter
 
+from pwsviz.figures.colours import OCCUPIED
 from pwsviz.figures.conserved_text import (
     CEILING,
     CHANGE_OF_PSI,
@@ -22,21 +23,18 @@ from pwsviz.figures.conserved_text import (
 )
 from pwsviz.figures.crowding import SAME_INSTANT, Marks, attach_shades, shade_keys
 from pwsviz.figures.legends import legend_below
+from pwsviz.figures.lines import LOOK_COLUMNS, line_of, look_columns, widths_in_time
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     BELOW_RANGE,
     BESIDE,
     LEVEL,
-    LOOK_COLUMNS,
-    OCCUPIED,
     assign,
     crossing_tips,
     describe,
     fit_to_corners,
     invisible,
     legend_lines,
-    line_of,
-    look_columns,
     mark_levels,
     plain_figure,
     run_lines,
@@ -45,7 +43,6 @@ from pwsviz.figures.style import (
     side_strips,
     tips,
     unseen,
-    widths_in_time,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 import core
 from core.studies import CostCurve
+from pwsviz.figures.colours import GREY, PALE_GREY
 from pwsviz.figures.conserved import NOWHERE
 from pwsviz.figures.cost_text import (
     ACROSS,
@@ -29,20 +30,16 @@ from pwsviz.figures.cost_text import (
     timed_how,
 )
 from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
+from pwsviz.figures.lines import Line, line_of, together
 from pwsviz.figures.style import (
     BELOW_RANGE,
-    GREY,
-    PALE_GREY,
     WITH_TABLE,
-    Line,
     assign,
     fit_to_corners,
-    line_of,
     lowest,
     mark_levels,
     plain_figure,
     tips,
-    together,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats

@@ -16,7 +16,8 @@ from bokeh.models.glyphs import Scatter, VStrip
 from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
-from pwsviz.figures.style import OCCUPIED, assign, side_strips, unseen
+from pwsviz.figures.colours import OCCUPIED
+from pwsviz.figures.style import assign, side_strips, unseen
 
 __all__ = ["NARROW_SHADES", "SAME_INSTANT", "SOME", "Marks", "attach_shades", "shade_keys"]
 

@@ -17,10 +17,11 @@ from bokeh.models.widgets import Div
 from bokeh.plotting import figure
 
 import core
+from pwsviz.figures.colours import GREEN, GREY, SHADES, SIDES, SURFACE, TINT
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.moving import AWAIT, REPAINT, TELL_PLACE
-from pwsviz.figures.style import GREEN, GREY, SHADES, SIDES, SURFACE, TINT, assign, ranges, tips, unseen
+from pwsviz.figures.style import assign, ranges, tips, unseen
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, surface_name

@@ -13,8 +13,8 @@ from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
 import core
+from pwsviz.figures.colours import GREY
 from pwsviz.figures.moving import FORMULAS
-from pwsviz.figures.style import GREY
 from pwsviz.geometry.projection import surface_texts
 from pwsviz.scene.names import readable
 from pwsviz.text.math_names import numbered

@@ -9,8 +9,8 @@ from bokeh.models import ColumnDataSource, CustomJS, HoverTool
 from bokeh.models.glyphs import VSpan
 from bokeh.plotting import figure
 
+from pwsviz.figures.colours import PURPLE, VERMILION
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.style import PURPLE, VERMILION
 
 __all__ = ["link_crossings"]
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core import Status
-from pwsviz.figures.style import AMBER, GREEN, GREY, PURPLE, VERMILION
+from pwsviz.figures.colours import AMBER, GREEN, GREY, PURPLE, VERMILION
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.window import Window
 from pwsviz.results.orbits import End, Orbit

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 import core
+from pwsviz.figures.lines import WIDEST, line_of, look_columns, together
 from pwsviz.figures.sent_arrays import sent
-from pwsviz.figures.style import WIDEST, line_of, look_columns, together
 from pwsviz.geometry.turns import spacing
 from pwsviz.geometry.window import Window
 from pwsviz.results.orbits import Orbit

@@ -14,21 +14,12 @@ from bokeh.models import ColumnDataSource, DataRange1d
 from numpy.typing import ArrayLike, NDArray
 
 import core
+from pwsviz.figures.colours import GREEN, GREY, ORANGE, SKY
 from pwsviz.figures.conserved import NOWHERE
 from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
+from pwsviz.figures.lines import Line, line_of
 from pwsviz.figures.slope_names import name_slopes
-from pwsviz.figures.style import (
-    GREEN,
-    GREY,
-    ORANGE,
-    SKY,
-    Line,
-    fit_to_corners,
-    line_of,
-    lowest,
-    mark_levels,
-    plain_figure,
-)
+from pwsviz.figures.style import fit_to_corners, lowest, mark_levels, plain_figure
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import printed

@@ -18,19 +18,17 @@ from bokeh.models.glyphs import Line, MultiLine, Scatter, Text
 from bokeh.plotting import figure
 
 import core
+from pwsviz.figures.colours import AMBER, GROUND, VERMILION
 from pwsviz.figures.crowding import Marks
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
 from pwsviz.figures.legends import legend_below
+from pwsviz.figures.lines import LOOK_COLUMNS
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
 from pwsviz.figures.orbit_lines import alongside_columns, curve_columns, fitted_widths, step_columns, thin_shares
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
-    AMBER,
-    GROUND,
-    LOOK_COLUMNS,
-    VERMILION,
     assign,
     crossing_tips,
     describe,

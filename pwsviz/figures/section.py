@@ -16,16 +16,12 @@ from bokeh.models.glyphs import Line, Scatter, Text
 from numpy.typing import NDArray
 
 import core
-from pwsviz.figures.labels import surface_labels
-from pwsviz.figures.legends import legend_below
-from pwsviz.figures.point_cloud import PointCloud, Portion
-from pwsviz.figures.style import (
+from pwsviz.figures.colours import (
     BERRY,
     BLUE,
     BROWN,
     GREEN,
     GREY,
-    LEVEL,
     OCHRE,
     ORANGE,
     PURPLE,
@@ -34,10 +30,11 @@ from pwsviz.figures.style import (
     SURFACE,
     VERMILION,
     VIOLET,
-    assign,
-    plain_figure,
-    tips,
 )
+from pwsviz.figures.labels import surface_labels
+from pwsviz.figures.legends import legend_below
+from pwsviz.figures.point_cloud import PointCloud, Portion
+from pwsviz.figures.style import LEVEL, assign, plain_figure, tips
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_plane import coordinate_label, in_first_turn, surface_curves

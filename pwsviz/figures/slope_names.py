@@ -8,7 +8,8 @@ from bokeh.models import ColumnDataSource, CustomJS
 from bokeh.models.glyphs import Text
 from bokeh.plotting import figure
 
-from pwsviz.figures.style import GREY, ranges
+from pwsviz.figures.colours import GREY
+from pwsviz.figures.style import ranges
 
 __all__ = ["name_slopes"]
 

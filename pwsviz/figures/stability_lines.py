@@ -10,24 +10,13 @@ from bokeh.models.renderers import DataRenderer
 
 import core
 from core.studies import Grazing, outcome_words
+from pwsviz.figures.colours import VERMILION
 from pwsviz.figures.conserved import FLOOR, drawable
 from pwsviz.figures.conserved_text import axis_name
 from pwsviz.figures.legends import legend_below
+from pwsviz.figures.lines import LOOK_COLUMNS, line_of, look_columns, widths_in_time
 from pwsviz.figures.stability_text import side_words, wrong_number
-from pwsviz.figures.style import (
-    BELOW_RANGE,
-    BESIDE,
-    LOOK_COLUMNS,
-    VERMILION,
-    assign,
-    fit_to_corners,
-    line_of,
-    look_columns,
-    mark_levels,
-    plain_figure,
-    tips,
-    widths_in_time,
-)
+from pwsviz.figures.style import BELOW_RANGE, BESIDE, assign, fit_to_corners, mark_levels, plain_figure, tips
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.advice import on_page

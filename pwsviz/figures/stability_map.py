@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 import core
 from core.studies import NOT_YET, OutcomeMap
+from pwsviz.figures.colours import GREY
 from pwsviz.figures.legends import legend_below
+from pwsviz.figures.lines import line_of, together
 from pwsviz.figures.stability_outcomes import OUTCOMES, lasts, outcomes_shown
-from pwsviz.figures.style import GREY, assign, fit_to_corners, line_of, plain_figure, tips, together
+from pwsviz.figures.style import assign, fit_to_corners, plain_figure, tips
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.math_names import variable_name

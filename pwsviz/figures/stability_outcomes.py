@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core import Status
 from core.studies import ENDINGS, NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, OutcomeMap
-from pwsviz.figures.style import BLUE, BROWN, CALM, GREEN, GREY, OCHRE, PURPLE, VERMILION, VIOLET
+from pwsviz.figures.colours import BLUE, BROWN, CALM, GREEN, GREY, OCHRE, PURPLE, VERMILION, VIOLET
 
 __all__ = ["OUTCOMES", "UNJUDGED", "Outcome", "lasts", "outcomes_shown"]
 

@@ -13,27 +13,24 @@ from bokeh.models.glyphs import Scatter
 from bokeh.models.labeling import NoOverlap
 
 import core
+from pwsviz.figures.colours import OCCUPIED
 from pwsviz.figures.crowding import SAME_INSTANT, Marks, attach_shades, shade_keys
 from pwsviz.figures.legends import legend_below
+from pwsviz.figures.lines import LOOK_COLUMNS, line_of, look_columns, widths_in_time
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     BESIDE,
     HEIGHT,
-    LOOK_COLUMNS,
-    OCCUPIED,
     ROOM,
     assign,
     crossing_tips,
     invisible,
-    line_of,
-    look_columns,
     plain_figure,
     run_lines,
     segments,
     side_strips,
     tips,
     unseen,
-    widths_in_time,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats

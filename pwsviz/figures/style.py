@@ -1,11 +1,11 @@
-"""Colours, dashes and the common look of the figures, legible without telling colours apart."""
+"""The common look of the figures, and what several of them draw."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from bokeh.models import (
@@ -25,65 +25,22 @@ from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 from numpy.typing import NDArray
 
-import core
+from pwsviz.figures.colours import (
+    GREY,
+    OCCUPIED,
+    OPACITY,
+    RULE,
+)
 from pwsviz.figures.keys import FOCUS_CSS, REACHED, attach_keys
+from pwsviz.figures.lines import (
+    LEGEND_WIDTH,
+    LOOK_COLUMNS,
+    look_columns,
+)
 from pwsviz.figures.sent_arrays import sent
 from pwsviz.figures.ticks import print_ticks
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import PRINTED, printed
-
-# Of light ground. Each has 3:1 or more on every shade of a figure, and 4.5:1 on the page itself, so that none is pale;
-# any two differ in the common kinds of colour blindness, too.
-BLUE = "#0064A6"
-VERMILION = "#A23400"
-GREEN = "#00885A"
-ORANGE = "#B26800"
-SKY = "#69769F"
-CALM = "#C3D0EE"  # of areas that recede: lighter than every other colour, in print too
-PURPLE = "#994F71"
-VIOLET = "#9006F0"
-OCHRE = "#837738"
-BROWN = "#6D512D"
-BERRY = "#752355"
-AMBER = "#7F5300"  # of marks alone
-LAKE = "#2B7CA8"  # of level sets, with sand
-SAND = "#776B52"
-GREY = "#4A4A4A"
-PALE_GREY = "#767676"
-GROUND = "#FEFEFE"  # behind names among curves: a white that is another one in the dark
-
-RULE = "#7A7A7A"
-"""Grey of what Bokeh draws beside the glyphs, which keeps its colour: as far from light as from dark ground."""
-
-ON_DARK = {
-    BLUE: "#2D81C7", VERMILION: "#D55E01", GREEN: "#19A87B", ORANGE: "#E9A005", SKY: "#65BEF3", PURPLE: "#E18DBC",
-    VIOLET: "#BD31FF", OCHRE: "#BDA55D", BROWN: "#947947", BERRY: "#B7608F", AMBER: "#C98A10", LAKE: "#5DB3E6",
-    SAND: "#B5A88F", CALM: "#34507A", GREY: "#A8A8A8", PALE_GREY: "#CFCFCF", GROUND: "#121212",
-}  # fmt: skip
-"""The same on dark ground, where the browser paints these in their place (see `widgets.browser`)."""
-
-SHADES = {-1: "#56B4E9", 1: "#D9B84A", 2: "#D55E00", 3: "#9000F0", 0: "#009E73"}
-"""Colour of each shade of ground, painted transparently, on light and on dark."""
-
-SIDES = {-1: LAKE, 1: SAND}
-"""Colour of lines on each side of the surface; of several, in the first two shades of regions."""
-
-OCCUPIED = {
-    shade: (name, SHADES[shade]) for shade, name in {-1: "g < 0", 1: "g > 0", 2: "", 3: "", 0: "sliding"}.items()
-}
-"""Name, of one surface, and colour of where a run is, by its shade: on a side, in a further region, or sliding."""
-
-SURFACE: dict[str, Any] = {"line_color": PURPLE, "line_cap": "square"}
-"""Look of the lines of surfaces; pictures know these by their ends."""
-
-TINT = 0.13
-"""Opacity of the first shade in the portrait, beneath arrows and level sets."""
-
-OPACITY = {-1: 0.19, 1: 0.14, 2: 0.2, 3: 0.14, 0: 0.19}
-"""Opacity of each shade behind curves against time."""
-
-PRINTED_OPACITY = {SHADES[shade]: opacity for shade, opacity in {-1: 0.45, 1: 0.15, 2: 0.45, 3: 0.4, 0: 0.55}.items()}
-"""Opacity in print of each colour of `SHADES`, in every figure; without colours, too, they differ."""
 
 HEIGHT = "clamp(340px, min(100vh - var(--rest, 15.6rem), 90vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall; a lecture sets `--rest`."""
@@ -99,6 +56,9 @@ WITH_TABLE = {"height": f"calc(max(300px, {HEIGHT} - 190px) + {ROOM})", "flex": 
 FRAME = 0.25
 """Opacity of the frame of a figure on the page, on light and on dark ground."""
 
+NEAR_ROUND_OFF = 100.0
+"""Ratio of the least error to the level of round-off up to which an axis goes down to that level."""
+
 TIP_CSS = """
 .bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
               border-color: var(--mui-palette-divider, #808080); opacity: 1; }
@@ -110,98 +70,6 @@ TIP_CELLS = "display: grid; grid-template-columns: max-content 1fr; gap: 0 8px"
 
 TIP_NUMBER = f"{PRINTED}return printed(String(Number(value.toPrecision(Number(format)))))"
 """JavaScript that prints one of its numbers, to as many digits as its format says."""
-
-
-class Line(NamedTuple):
-    """The look of one curve."""
-
-    colour: str
-    dash: tuple[int, ...]
-    marker: str
-    width: float
-
-
-LOOKS: dict[str, tuple[Line, ...]] = {
-    "DiscreteMultiplier": (Line(BLUE, (), "circle", 4.5),),
-    "Composition": (
-        Line(SKY, (14, 4), "hex", 1.6),
-        Line(PURPLE, (10, 4, 2, 4), "diamond", 1.6),
-        Line(ORANGE, (3, 3), "inverted_triangle", 2.4),
-    ),
-    "ButcherTableau": (
-        Line(VERMILION, (8, 6), "square", 1.6),
-        Line(GREEN, (4, 4), "triangle", 1.6),
-        Line(BROWN, (10, 4, 2, 4, 2, 4), "star", 1.6),
-        Line(BERRY, (2, 5), "y", 2.4),
-    ),
-    "Projected": (Line(OCHRE, (6, 2), "plus", 2.4),),
-    "TaylorSeries": (Line(VIOLET, (14, 4, 5, 4), "asterisk", 1.6),),
-}
-"""Looks of the integrators of each family, in their order (cyclically); all differ in colour and in dash."""
-
-WIDEST = 4.5
-"""Width in pixels of the first of several curves that are drawn together."""
-
-NARROWEST = 1.6
-"""Width of the last of them, and of a curve against time that is alone."""
-
-SLIM = 0.7
-"""Widths of curves against time, relative to those of curves in the plane."""
-
-NEAR_ROUND_OFF = 100.0
-"""Ratio of the least error to the level of round-off up to which an axis goes down to that level."""
-
-LEGEND_WIDTH = 2.5
-"""Width in pixels of a line in every legend, whatever its width in the plot."""
-
-
-def line_of(method: str) -> Line:
-    """Return the look of an integrator, the same in every plot."""
-    family = type(core.METHODS[method].scheme)
-    looks = LOOKS[family.__name__]
-    members = [name for name, one in core.METHODS.items() if type(one.scheme) is family]
-    return looks[members.index(method) % len(looks)]
-
-
-def on_either_ground(colour: str) -> str:
-    """Return the CSS of a colour, which is that of `ON_DARK` on a dark page."""
-    return f"light-dark({colour}, {ON_DARK[colour]})"
-
-
-def together(lines: Iterable[Line]) -> list[Line]:
-    """Return the looks of curves that are drawn together, each over those before it.
-
-    Alike ones are solid, for there is none to tell apart. Else each look is narrower than those before it, which are so
-    seen beside it where the curves coincide.
-    """
-    found = list(lines)
-    looks = list(dict.fromkeys(found))
-    if len(looks) == 1:
-        return [line._replace(dash=()) for line in found]
-    widths = dict(zip(looks, np.linspace(WIDEST, NARROWEST, len(looks)).tolist(), strict=True))
-    return [line._replace(width=widths[line]) for line in found]
-
-
-def widths_in_time(methods: Iterable[str]) -> list[float]:
-    """Return the widths of curves of integrators against time, where they wind closely."""
-    lines = together(map(line_of, methods))
-    alike = len(set(lines)) == 1
-    return [NARROWEST if alike else SLIM * line.width for line in lines]
-
-
-LOOK_COLUMNS = ("method", "colour", "dash", "marker")
-"""Columns of curves by integrator, see `look_columns`; in print dashed ones have markers (see `picture_markers.js`)."""
-
-
-def look_columns(methods: Sequence[str]) -> dict[str, list[Any]]:
-    """Return `LOOK_COLUMNS` of curves that are drawn together, of these integrators."""
-    lines = together(map(line_of, methods))
-    return {
-        "method": list(methods),
-        "colour": [line.colour for line in lines],
-        "dash": [list(line.dash) for line in lines],
-        "marker": [line.marker for line in lines],
-    }
 
 
 def plain_figure(summary: str, **options: Any) -> figure:

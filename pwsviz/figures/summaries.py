@@ -8,9 +8,10 @@ from html import escape
 
 import core
 from core.studies import FIT_ABOVE, FIT_BELOW
+from pwsviz.figures.colours import on_either_ground
 from pwsviz.figures.legends import LEGEND_GLYPH
+from pwsviz.figures.lines import Line, line_of, together
 from pwsviz.figures.order import Row, Studied, limits
-from pwsviz.figures.style import Line, line_of, on_either_ground, together
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS

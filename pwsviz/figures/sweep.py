@@ -11,9 +11,10 @@ from bokeh.events import Event, PointEvent, Tap
 from bokeh.models import ColumnDataSource, CrosshairTool, DataRange1d
 from bokeh.models.glyphs import VSpan, VStrip
 
+from pwsviz.figures.colours import AMBER, GREY, RULE
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.point_cloud import PointCloud
-from pwsviz.figures.style import AMBER, GREY, RULE, WITH_TABLE, assign, plain_figure, tips
+from pwsviz.figures.style import WITH_TABLE, assign, plain_figure, tips
 from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, ending, parameter_name, stretches
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.window import Window

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core import Status
+from pwsviz.figures.colours import GREY
 from pwsviz.figures.section_prospects import prospects, reset_words
 from pwsviz.figures.stability_outcomes import OUTCOMES, Outcome
-from pwsviz.figures.style import GREY
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.geometry.section_plane import TURN, angles, coordinate_label

@@ -10,9 +10,10 @@ from concurrent.futures import Future
 from threading import Lock, Thread
 from typing import Any
 
+from pwsviz.figures.colours import ON_DARK
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.still import still
-from pwsviz.figures.style import HEIGHT, ON_DARK
+from pwsviz.figures.style import HEIGHT
 from pwsviz.page.help import GREETING, GREETING_CSS
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene

@@ -20,7 +20,7 @@ from pwsviz.export.latex import latex_file
 from pwsviz.export.pictures import CHOICES, KINDS, picture_callback, pixels
 from pwsviz.export.script import snippet
 from pwsviz.export.short_caption import short_caption
-from pwsviz.figures.style import PRINTED_OPACITY
+from pwsviz.figures.colours import PRINTED_OPACITY
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.dialog import dialog

@@ -10,9 +10,9 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from pwsviz.figures.lines import Line, line_of, together
 from pwsviz.figures.orbit_lines import OF_OTHERS
 from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
-from pwsviz.figures.style import Line, line_of, together
 from pwsviz.results.animation import MET, Frames
 from pwsviz.text.numbers import PRINTED
 from pwsviz.text.words import listed

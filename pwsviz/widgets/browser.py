@@ -7,7 +7,7 @@ import json
 import panel as pn
 import param
 
-from pwsviz.figures.style import ON_DARK
+from pwsviz.figures.colours import ON_DARK
 from pwsviz.widgets.dialog import KEEP_FOCUS
 from pwsviz.widgets.dropdown import CHOOSER
 from pwsviz.widgets.panes import FADED

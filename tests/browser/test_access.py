@@ -6,7 +6,7 @@ from importlib import resources
 
 import pytest
 
-from pwsviz.figures.style import ON_DARK
+from pwsviz.figures.colours import ON_DARK
 from pwsviz.widgets.browser import NARROW
 from tests.browser.looking import UNPRINTED, await_built, await_painted, field, moments, type_into
 

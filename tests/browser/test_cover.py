@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pwsviz.figures.style import BLUE, PURPLE
+from pwsviz.figures.colours import BLUE, PURPLE
 from tests.browser.looking import await_built, await_painted, moments
 
 pytestmark = pytest.mark.browser

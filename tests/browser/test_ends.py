@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from pwsviz.figures.style import BLUE, GREEN, VERMILION
+from pwsviz.figures.colours import BLUE, GREEN, VERMILION
 from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.figures.style import PURPLE, SHADES, TINT
+from pwsviz.figures.colours import PURPLE, SHADES, TINT
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from tests.browser.looking import await_painted, becomes

@@ -11,7 +11,8 @@ from core.interface import processor
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
 from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_numbers, cost_rows, cost_text
 from pwsviz.figures.cost_text import missing_text, settings_text, shows_round_off
-from pwsviz.figures.style import BELOW_RANGE, line_of
+from pwsviz.figures.lines import line_of
+from pwsviz.figures.style import BELOW_RANGE
 
 FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
 

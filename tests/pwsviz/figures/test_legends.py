@@ -6,6 +6,7 @@ from bokeh.models import Legend, LegendItem, Plot
 from bokeh.models.glyphs import Scatter
 
 import core
+from pwsviz.figures.colours import SIDES
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.cost import CostView
 from pwsviz.figures.legends import LEGEND_GLYPH
@@ -14,7 +15,6 @@ from pwsviz.figures.order import OrderView, state_rows, studied
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.stability import StabilityView
 from pwsviz.figures.state import StateView
-from pwsviz.figures.style import SIDES
 from pwsviz.figures.sweep import SweepView
 from pwsviz.geometry.window import Window
 from pwsviz.results.results import PortraitInputs, Results

@@ -3,9 +3,9 @@
 import pytest
 
 from pwsviz.figures.framing import extent
+from pwsviz.figures.lines import line_of, together
 from pwsviz.figures.orbit_lines import THINNEST, fitted_widths
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.style import line_of, together
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.permalink import read
 from pwsviz.scene.scene import Scene

@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import linregress
 
 import core
+from pwsviz.figures.lines import line_of
 from pwsviz.figures.order import (
     OrderView,
     Row,
@@ -18,7 +19,6 @@ from pwsviz.figures.order import (
     studied,
     time_rows,
 )
-from pwsviz.figures.style import line_of
 from pwsviz.figures.summaries import study_text
 from pwsviz.results.requests import study_inputs
 from pwsviz.results.results import Results

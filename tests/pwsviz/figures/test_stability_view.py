@@ -10,11 +10,11 @@ from bokeh.models.glyphs import Text
 import core
 from core.studies.stability import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS
 from pwsviz.figures.conserved import FLOOR
+from pwsviz.figures.lines import line_of
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import NO_VALUE
 from pwsviz.figures.stability_outcomes import OUTCOMES, UNJUDGED
 from pwsviz.figures.stability_text import runs_drawn
-from pwsviz.figures.style import line_of
 from pwsviz.scene.validation import value_of
 from pwsviz.text.numbers import printed
 

@@ -8,28 +8,15 @@ from bokeh.models import ColumnDataSource, WheelZoomTool
 from bokeh.models.glyphs import Line, MultiLine, MultiPolygons, Scatter, Text
 
 import core
+from pwsviz.figures.colours import CALM, GROUND, OCCUPIED, ON_DARK, PRINTED_OPACITY, SHADES
 from pwsviz.figures.cost import EXTERNAL_LINES
 from pwsviz.figures.legends import LEGEND_GLYPH
+from pwsviz.figures.lines import line_of, together, widths_in_time
 from pwsviz.figures.marks import ENDS, KIND_COLOURS
 from pwsviz.figures.order import LINES
 from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
 from pwsviz.figures.section import START_COLOURS
-from pwsviz.figures.style import (
-    CALM,
-    GROUND,
-    LEVEL,
-    OCCUPIED,
-    ON_DARK,
-    PRINTED_OPACITY,
-    SHADES,
-    assign,
-    line_of,
-    plain_figure,
-    show_methods,
-    side_strips,
-    together,
-    widths_in_time,
-)
+from pwsviz.figures.style import LEVEL, assign, plain_figure, show_methods, side_strips
 from pwsviz.geometry.shades import REGION_SHADES
 
 #: Linear RGB as seen with one kind of cone missing: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009).

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import core
+from pwsviz.figures.lines import line_of, together
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.style import line_of, together
 from pwsviz.page.player import Player, without_trail
 from pwsviz.results.animation import frames
 
