@@ -1,7 +1,8 @@
 // A figure laid out anew for a picture of a given width: text keeps its size, and everything is inside.
 
 import { typeset } from "./picture_letters.js"
-import { with_keys, with_markers } from "./picture_markers.js"
+import { with_curves_cut } from "./picture_clip.js"
+import { scale_of, with_keys, with_markers } from "./picture_markers.js"
 import { copied, with_names_placed } from "./picture_names.js"
 
 export const FONT = "DejaVu Sans"
@@ -168,8 +169,14 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
     background_fill_color: { value: PAPER }, background_fill_alpha: { value: VEIL },  // arrows and curves end there
   }
   const named = await with_names_placed(model.renderers, ranges, frame, letters)
-  const logarithmic = [model.x_scale, model.y_scale].map(({ type }) => type == "LogScale")
-  const { renderers, keys } = printed ? with_markers(named, ranges, logarithmic, frame) : { renderers: named, keys: new Map() }
+  const scales = [model.x_scale, model.y_scale].map(
+    ({ type }, k) => scale_of(ranges[k], [frame.width, frame.height][k], type == "LogScale"))
+  const curves = with_curves_cut(named, scales, frame)
+  const marked = printed ? with_markers(curves, scales, frame) : { renderers: curves, keys: new Map() }
+  const keys = new Map(named.flatMap((one, k) => {  // what stands in the legend for a renderer of the page
+    const key = marked.keys.get(curves[k]) ?? (curves[k] == one ? null : [curves[k]])
+    return key == null ? [] : [[one, key]]
+  }))
   const part = (one, side) => {
     const kind = kind_of(one)
     if (kind == null) return one
@@ -184,7 +191,7 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
     sizing_mode: "fixed", width: null, height: null, styles: {}, match_aspect: false,
     output_backend: "svg",  // the legend is drawn on layers of its own
     frame_width: frame.width, frame_height: frame.height,
-    renderers, x_range: ranges[0], y_range: ranges[1], toolbar_location: null,
+    renderers: marked.renderers, x_range: ranges[0], y_range: ranges[1], toolbar_location: null,
     toolbar: new model.toolbar.constructor({ tools: [] }),
     ...Object.fromEntries(["left", "right", "above", "below", "center"].map(
       place => [place, model[place].map(one => part(one, place))])),

@@ -96,7 +96,7 @@ const keys_of = (renderer, { marker, dashed, colour }) => {
 }
 
 // Of a logarithmic or linear range, a number of pixels from its start to its end: place -> pixels, and back.
-const scale_of = ({ start, end }, pixels, logarithmic) => {
+export const scale_of = ({ start, end }, pixels, logarithmic) => {
   const [on, off] = logarithmic ? [Math.log, Math.exp] : [value => value, value => value]
   const [low, high] = [on(start), on(end)]
   return {
@@ -105,9 +105,8 @@ const scale_of = ({ start, end }, pixels, logarithmic) => {
 }
 
 // The renderers of a plot with markers above the curves, and what stands for some of them in a legend: renderer -> renderers;
-// `frame` in pixels.
-export const with_markers = (renderers, ranges, logarithmic, frame) => {
-  const [across, up] = ranges.map((one, k) => scale_of(one, [frame.width, frame.height][k], logarithmic[k]))
+// `frame` in pixels, and `scales` across and up.
+export const with_markers = (renderers, [across, up], frame) => {
   const named = new Map(renderers.map(one => [one, columns_of(one)]).filter(([_, columns]) => columns != null))
   const keys = new Map([...named].map(([one, columns]) => [one, keys_of(one, columns)]))
   const curves = [...named.values()].flatMap(one => curves_of(one, (x, y) => [across.compute(x), up.compute(y)]))

@@ -35,6 +35,7 @@ class PictureFiles:
     _resources: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "files": (
             "pictures.js",
+            "picture_clip.js",
             "picture_layout.js",
             "picture_letters.js",
             "picture_markers.js",

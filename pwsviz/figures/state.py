@@ -63,6 +63,9 @@ LEFT = 64
 ROUND_OFF = 4.0
 """Units of round-off of the larger end of a range within which its other end is told as 0."""
 
+FARTHEST = 100.0
+"""Heights of a panel up to which curves leave it: browsers draw no dashes on lines that are longer by far."""
+
 SUMMARY = "Coordinate against time"
 
 
@@ -135,9 +138,11 @@ class Panel:
 
     def show(self, k: int, runs: Sequence[StateCurves]) -> None:
         """Draw the k-th coordinate of the runs."""
+        low, high = _range([run.bounds[k] for run in runs])
+        reach = FARTHEST * (high - low)
         self.curves.data = {
             "xs": [run.curves[k][0] for run in runs],
-            "ys": [run.curves[k][1] for run in runs],
+            "ys": [np.clip(run.curves[k][1], low - reach, high + reach) for run in runs],
             **look_columns([run.method for run in runs]),
             "width": widths_in_time(run.method for run in runs),
         }
@@ -147,7 +152,7 @@ class Panel:
             y=np.concatenate([run.steps[1][:, k] for run in runs]),
             colour=[line_of(run.method).colour for run in runs for _ in run.steps[0]],
         )
-        assign(self.corners, x=[0.0, 0.0], y=list(_range([run.bounds[k] for run in runs])))
+        assign(self.corners, x=[0.0, 0.0], y=[low, high])
 
 
 class StateView:

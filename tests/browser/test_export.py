@@ -472,3 +472,23 @@ def test_in_print_each_dashed_curve_has_markers_of_its_own_in_the_picture_and_in
             for one, other in combinations(marks, 2)
         ]
         assert panels > 1 or min(apart) > 20, "no marker covers another"
+
+
+@pytest.mark.deep
+def test_a_curve_that_runs_off_ends_beside_the_frame_and_keeps_its_dashes_and_its_entry(visit):
+    """Of one that goes on for millions of points, programs leave out the dashes, or all of it."""
+    page = visit(query="v=2&tau=0.2&methods=dmm2,rk2&view=state")
+    page.get_by_text(re.compile("^rk2: 35 steps")).first.wait_for()
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    markup = downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode()
+    colour = "rgb(162,52,0)"  # of rk2
+    dashed = [
+        path for path in re.findall(r"<path[^>]*>", markup)
+        if f'stroke="{colour}"' in path and re.search('stroke-dasharray="[1-9]', path)
+    ]  # fmt: skip
+    long = [path for path in dashed if path.count("L") > 20]
+    assert len(long) == 2, "one a panel"
+    assert len(dashed) > 2, "and in the legend"
+    numbers = [float(one) for path in long for one in re.findall(r"-?[0-9.]+", re.search(' d="([^"]*)"', path)[1])]
+    assert max(map(abs, numbers)) < 2000

@@ -62,6 +62,14 @@ def test_a_run_that_leaves_does_not_flatten_the_first_one():
     assert np.ptp(view.panels[0].corners.data["y"]) <= WIDEST * size * (1 + 1e-12)
 
 
+def test_a_curve_that_runs_off_ends_some_heights_beyond_its_panel():
+    """Of a dashed line that is millions of pixels long browsers draw no dashes."""
+    view, curves, _ = shown("elliptic_curve", methods=("dmm2", "rk2"), tau=0.2)
+    assert np.abs(curves[1].curves[1][1]).max() > 1e7
+    low, high = view.panels[1].corners.data["y"]
+    assert np.abs(view.panels[1].curves.data["ys"][1]).max() <= 101 * (high - low)
+
+
 def test_of_many_coordinates_the_first_are_drawn_and_it_is_said():
     names = tuple(f"z{k}" for k in range(8))
     system = core.PiecewiseSystem("Many", names, ("1",) * 8, ("1",) * 8, "z0 - 1", x0=(0.0,) * 8)
