@@ -6,7 +6,10 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import PackageNotFoundError, version
 
+import numpy as np
+
 import core
+from pwsviz.geometry.shades import region_name
 from pwsviz.scene.equations import equations, indexed
 from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.permalink import digest, query
@@ -209,7 +212,20 @@ def _starts(scene: Scene, every: bool, told: Told, free: str) -> str:
     names = ", ".join(map(variable_name, variables))
     which = f", start {chosen + 1} of {count}" if len(used) < count else ""
     head = f"initial states 1 {'and' if count == 2 else 'to'} {count}:" if len(used) > 1 else "initial state"
-    return printed(f"{head} ({names}) {sign} {points}{which}")
+    return printed(f"{head} ({names}) {sign} {points}{_begins(scene, used)}{which}")
+
+
+def _begins(scene: Scene, starts: Sequence[Sequence[float]]) -> str:
+    """Return in which regions runs begin whose region is not told by the signs of surfaces."""
+    system = scene.build()
+    if system.two_sided or system.laws.sides.shape[1]:
+        return ""
+    states = np.array(starts)
+    inside = [np.min(system.heights(k, 0.0, states), axis=-1) > 0.0 for k in range(len(system.laws.regions))]
+    of_start = [next((k for k, holds in enumerate(inside) if holds[n]), None) for n in range(len(states))]
+    names = ["" if k is None else region_name(system.laws.regions[k]) for k in of_start]
+    several = f"s {listed(names)}" if len({*names}) > 1 else f" {names[0]}"
+    return f", in region{several}" if all(names) else ""
 
 
 def _integration(scene: Scene, slid: bool, told: Told) -> str:

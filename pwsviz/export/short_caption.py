@@ -47,4 +47,8 @@ def _starts(scene: Scene, told: str, every: bool) -> str:
         return told
     if count == 1:
         return ""
-    return f"from {count} numbered starts" if every else f"from start {min(scene.selected, count - 1) + 1} of {count}"
+    return (
+        f"{count} initial states, as numbered"
+        if every
+        else f"from start {min(scene.selected, count - 1) + 1} of {count}"
+    )

@@ -106,7 +106,7 @@ class ConservedView:
         here: dict[str, Any] = {"line_policy": "nearest", "attachment": "horizontal", "visible": False}
         plot.add_tools(tips(rows, renderers=[self.lines], **here))
         self.exits = ColumnDataSource({name: [] for name in ("t", "y", "colour", "words")})
-        look: dict[str, Any] = {"marker": "triangle", "line_color": "colour", "fill_color": "colour", "size": 12}
+        look: dict[str, Any] = {"marker": "triangle_pin", "line_color": "colour", "fill_color": "colour", "size": 12}
         exits = plot.add_glyph(self.exits, Scatter(x="t", **look))
         plot.add_tools(tips([("", "@words")], renderers=[exits]))
         self.corners = fit_to_corners(plot, [0.0, 1.0], [BOTTOM, 1e-2])

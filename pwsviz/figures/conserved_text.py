@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.error_curve import ROUND_OFF, ErrorCurve
-from pwsviz.text.numbers import printed
+from pwsviz.text.numbers import RAISED, printed
 from pwsviz.text.words import rounded, rounded_up, whose_marks
 
 __all__ = [
@@ -41,6 +42,9 @@ LOST = 0.1
 NEAR_ONE = 10.0
 """Factor by which the size of ψ’s terms must differ from 1 for a change to be stated relative to it, too."""
 
+LEVEL = f"2⁻{str(52 - round(math.log2(ROUND_OFF))).translate(RAISED)}"
+"""`ROUND_OFF` times 2⁻⁵², in words."""
+
 CHANGE_OF_PSI = "of ψ, |Δψ|"
 """Whose error the vertical axis shows."""
 
@@ -65,10 +69,13 @@ def meaning(curves: Sequence[ErrorCurve], met: str) -> str:
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         when = "so far" if round_off_grows(curves[0]) else "in the run"
         words.append(
-            f"The line of round-off is at {ROUND_OFF:g} × 2⁻⁵² times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}"
+            f"The line of round-off is at {LEVEL} times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}, "
+            "xₖ being the variables"
         )
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
+    if any(np.nanmax(curve.error, initial=0.0) >= CEILING for curve in curves):
+        words.append("A curve ends at a triangle where it leaves the plot")
     if 0 < len(curves[0].crossings) <= MOST_BANDS:
         words.append(f"Marks at the lower edge are at the times of {met}")
     return f"{'. '.join(words)}.{_about_marks(curves)}"

@@ -28,7 +28,7 @@ UP: Mapping[str, str] = {
 """Titles of the axes."""
 
 MEANING: Mapping[str, str] = {
-    "state": "‖x − x*‖₂ is the Euclidean norm of the difference from the reference x*.",
+    "state": "‖x − x*‖₂ is the Euclidean norm of the difference of all variables x from those of the reference, x*.",
     "time": "t* is the time of the last crossing by the reference, t̂ that by the run.",
     "invariant": "|Δψ| is the change of ψ since the start.",
 }
@@ -82,10 +82,11 @@ def settings_text(study: core.WorkPrecision) -> str:
     ranges = []
     for name, said in (("tau", "τ"), ("tolerance", "tolerance")):
         having = [c for c in study.curves if c.setting_name == name and np.isfinite(c.seconds).any()]
-        if having:
-            found = np.concatenate([curve.setting[np.isfinite(curve.seconds)] for curve in having])
-            whose = listed([curve.title for curve in having])
-            ranges.append(f"{whose}: {said} from {found.min():.3g} to {found.max():.3g}")
+        whose: dict[str, list[str]] = {}
+        for curve in having:
+            found = curve.setting[np.isfinite(curve.seconds)]
+            whose.setdefault(f"{said} from {found.min():.3g} to {found.max():.3g}", []).append(curve.title)
+        ranges += [f"{listed(titles)}: {words}" for words, titles in whose.items()]
     return "; ".join(ranges)
 
 

@@ -27,6 +27,9 @@ from pwsviz.text.words import as_text, listed
 
 __all__ = ["SUMMARY", "figures_of", "law_markup", "parted_words", "portrait_note", "portrait_text"]
 
+FIELD = "the field"
+"""What is drawn of no projection."""
+
 SUMMARY = "Phase portrait"
 
 LONGEST = 240
@@ -178,16 +181,18 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = Fals
 
 
 def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
-    """Return on which plane a system of more variables is projected, and what cannot be drawn in it."""
+    """Return on which plane a system of more variables is projected, and what is not drawn in it."""
     plane, *alike = (_named_plane(system, one) for one in (axes, *planes_alike(system, axes)))
     shown, texts = surfaces_shown(system, axes), surface_texts(system)
     hidden = [f"{readable(g, system)} = 0" for k, g in enumerate(texts) if k not in shown]
     lost = (
-        ["the field"]
+        [FIELD]
         + ["the level sets"] * (system.laws.most_conserved > 0)
         + [f"the surface{'s' * (len(hidden) > 1)} {', '.join(hidden)}"] * bool(hidden)
     )
-    words = f"Projection onto the plane of {plane}, in which {listed(lost)} cannot be drawn."
+    words = (
+        f"Projection onto the plane of {plane}, in which {listed(lost)} {'is' if lost == [FIELD] else 'are'} not drawn."
+    )
     if alike:
         marks = f"marks of {met_at_surfaces(system)} refer to {plane}"
         paler = ", each thinner than the one before," * (len(alike) > 1)

@@ -44,7 +44,7 @@ CEILING = 1.0
 LIMIT = "largest successful τ: "
 """Legend of the lines, before the name of the integrator."""
 
-REACH = 0.11
+REACH = 0.06
 """Part of the height of the map by which these lines extend above and below the start for which they hold."""
 
 PLACE = "chosen τ and start"

@@ -109,7 +109,8 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool, met: str = "
     if states:
         first, *later = (f"{t:.4g}" for t in study.times)
         words = (
-            f"‖x − x*‖₂ is the Euclidean norm of the difference from the reference x*, at t = {first}, halfway to the "
+            "‖x − x*‖₂ is the Euclidean norm of the difference of all variables x from those of the reference, x*, "
+            f"at t = {first}, halfway to the "
             f"first crossing (“before”), and at t = {listed(later)}, halfway from {counted} to the next (“after”)"
         )
     else:
@@ -186,7 +187,8 @@ def _bounds(shown: Sequence[Studied]) -> str:
     rows = [row for one in shown for row in one.rows]
     found, below = limits(shown), rounded(min(row.fit_below for row in rows))
     size = f"{FIT_BELOW:g} times the largest |xₖ| of the reference"
-    upper = f"the larger of {size} and {FIT_BELOW:g}" if any(map(_of_time, rows)) else f"{size} at these times"
+    of_times = f"{FIT_BELOW:g} times the larger of 1 and the largest |xₖ| of the reference"
+    upper = of_times if any(map(_of_time, rows)) else f"{size} at these times"
     lower = f"{FIT_ABOVE:g} times the larger of accumulated round-off and the error of the reference"
     if found is None:
         return f"below {below} ({upper})"

@@ -12,7 +12,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, portrait_tables
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.state import StateView, panel_text, state_text
+from pwsviz.figures.state import MOST_PANELS, StateView, panel_text, state_text
 from pwsviz.figures.style import describe
 from pwsviz.geometry.projection import Axes, in_plane
 from pwsviz.results.requests import ErrorInputs, run_inputs
@@ -20,7 +20,7 @@ from pwsviz.results.states import StateCurves
 from pwsviz.tabs.base import Tab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
-from pwsviz.text.words import whose_marks
+from pwsviz.text.words import listed, whose_marks
 
 
 class StatePicture(NamedTuple):
@@ -78,8 +78,9 @@ class StateTab(Tab):
                 describe(pane.object, panel_text(variable_name(names[k]), curves, k))
 
     def heading(self, outcome: StatePicture) -> str:
-        """Return that the state is drawn over time."""
-        return "Time evolution"
+        """Return which variables are drawn over time."""
+        names = list(map(variable_name, outcome.first.system.variables))
+        return f"Time evolution of {listed(names[:MOST_PANELS])}"
 
     def meaning(self, outcome: StatePicture) -> str:
         """Return whose crossings are marked, for captions."""

@@ -28,7 +28,7 @@ def at_surface(met: str, locate: bool, slide: bool, order: int | None = None, sc
 
     Where nothing but jumps is met, the law is the same on both sides of them: no transition scheme is needed.
     """
-    how = "a shortened step that ends on g = 0" if met == "jumps" else "Mannshardt’s transition scheme"
+    how = "a shortened step that ends on the surface" if met == "jumps" else "Mannshardt’s transition scheme"
     words = f"{met} {f'located by {how}' if locate else 'not located'}"
     if locate and order is not None:
         words += f", their times perturbed by {perturbation(order, scale)}"
@@ -43,7 +43,7 @@ def perturbation(order: int, scale: float) -> str:
 
 def whose_marks(methods: Sequence[str]) -> str:
     """Say whose marks and shades are shown, where there are several integrators."""
-    return f"Marks and shading are those of {methods[0]}." if len(methods) > 1 else ""
+    return f"Marks of crossings and shading are those of {methods[0]}." if len(methods) > 1 else ""
 
 
 def plural(count: int, noun: str) -> str:

@@ -68,7 +68,7 @@ def test_no_two_quantities_of_a_region_have_the_same_name(system):
 
 
 def test_a_caption_says_jumps_where_nothing_but_jumps_occurs():
-    steps, scheme = "by a shortened step that ends on g = 0", "by Mannshardt’s transition scheme"
+    steps, scheme = "by a shortened step that ends on the surface", "by Mannshardt’s transition scheme"
     cases = (("three_bodies", "jumps", steps), ("two_walls", "jumps", steps), ("thermostat", "crossings", scheme))
     for name, met, how in cases:
         scene = scene_of(core.CATALOGUE[name])

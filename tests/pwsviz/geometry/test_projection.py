@@ -90,10 +90,10 @@ def test_a_surface_that_is_no_curve_in_the_plane_is_left_out_and_named():
 def test_of_several_surfaces_those_that_are_no_curves_in_the_plane_are_named():
     ring, chua, bridge = (core.CATALOGUE[name] for name in ("gene_ring", "chua", "diode_bridge"))
     assert surfaces_shown(ring, XY) == [0, 1]
-    assert "the field and the surface z − θ = 0 cannot be drawn" in portrait_note(ring, XY)
+    assert "the field and the surface z − θ = 0 are not drawn" in portrait_note(ring, XY)
     assert "surface" not in portrait_note(chua, XY)
-    assert "the field and the surfaces x + 1 = 0, x − 1 = 0 cannot be drawn" in portrait_note(chua, (1, 2))
-    assert "the surfaces v − u = 0, v + u = 0 cannot" in portrait_note(bridge, (0, 2))
+    assert "the field and the surfaces x + 1 = 0, x − 1 = 0 are not drawn" in portrait_note(chua, (1, 2))
+    assert "the surfaces v − u = 0, v + u = 0 are not drawn" in portrait_note(bridge, (0, 2))
     assert "surface" not in portrait_note(bridge, XY)
     assert [shows_regions(ring, XY), shows_regions(chua, XY), shows_regions(bridge, XY)] == [False, True, True]
 
