@@ -17,6 +17,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("m", 1.0, (0.2, 5.0), "mass"),
     ),
     x0=(1.0, 0.0),
-    doc="A mass on a spring moves in thick oil where x > 0 and in thin oil where x < 0. Energy is lost, yet a quantity "
-    "that depends on time is conserved.",
+    doc="A mass on a spring moves in one oil where x < 0 and in another, by default thicker, where x > 0. Energy is "
+    "lost, yet a quantity that depends on time is conserved.",
 )

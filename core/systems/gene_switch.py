@@ -17,5 +17,5 @@ SYSTEM = PiecewiseSystem(
     ),
     x0=(0.0, 0.0, 0.0),
     doc="The protein x of one gene turns on a second gene, which makes the repressor z by way of its messenger y. "
-    "Above the threshold θ the repressor switches the first gene off, so the levels oscillate for ever.",
+    "Above the threshold θ the repressor switches the first gene off: for θ < κ the levels oscillate for ever.",
 )

@@ -16,5 +16,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("angle", 0.5, (-1.5, 1.5), "where gravity changes, in radians", r"\alpha"),
     ),
     x0=(-1.57, 0.0),
-    doc="A pendulum of length one metre swings under Martian gravity for q < α, and terrestrial gravity for q > α.",
+    doc="A pendulum of length one metre swings under one gravity for q < α, by default that of Mars, and under another "
+    "for q > α, by default that of the Earth.",
 )

@@ -55,6 +55,6 @@ SYSTEM = PiecewiseSystem(
     ),
     x0=(0.8, 0.0, -0.8, 0.0, 0.0, 1.3, 0.0, 0.3, 0.0, -0.3, 0.0, 0.0),
     jump=_AFTER,
-    doc="Three equal masses attract each other; bodies 1 and 2 are hard discs and bounce off each other. Energy, both "
-    "momenta and the angular momentum are conserved, through every collision.",
+    doc="Three equal masses attract each other; bodies 1 and 2 are hard discs and bounce off each other. Energy, "
+    "momentum and angular momentum are conserved, through every collision.",
 )

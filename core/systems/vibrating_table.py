@@ -22,5 +22,5 @@ SYSTEM = PiecewiseSystem(
     x0=(0.0, 3.0, 0.0),
     jump=("phi", "a*sin(phi)", "(1 + restitution)*a*omega*cos(phi) - restitution*v"),
     doc="A ball falls on a table at height a sin φ; each bounce multiplies their relative speed by ε. Without "
-    "loss (ε = 1) regular and chaotic orbits lie side by side; with loss, bounces recur or accumulate.",
+    "loss (ε = 1) regular and chaotic orbits lie side by side; with loss, bounces recur, accumulate or are chaotic.",
 )

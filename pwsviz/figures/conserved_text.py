@@ -102,7 +102,7 @@ def _about_marks(curves: Sequence[ErrorCurve]) -> str:
     if many > MOST_BANDS:
         whose = f" of {first.method}" * (len(curves) > 1)
         return f" The {many:,} crossings{whose} are too dense to mark; the sides are not shaded."
-    return f" {whose_marks([curve.method for curve in curves])}".rstrip()
+    return f" {whose_marks([curve.method for curve in curves], many)}".rstrip()
 
 
 def _change(curve: ErrorCurve) -> str:
@@ -116,17 +116,19 @@ def _change(curve: ErrorCurve) -> str:
     if not len(error):
         return ""
     worst, size = float(error.max()), float(curve.psi_size[-1])
+    until = f"up to t = {_end_of(curve, known):.4g}"
+    stops = f" {until}, where the run stops" * curve.runs_off
+    if worst == 0:
+        return f"{method} conserves ψ exactly{stops}"
+    if kind := _kind_of_rounding(curve, error, known):
+        kept = f"{method} {'conserves ψ to' if curve.keeps else 'stays at the level of'} {kind}"
+        return f"{kept}{stops}: max |Δψ| = {rounded(worst)}{_relative(worst, size)}"
     if worst > CEILING:
         left = f"leaves the plot at t = {t[np.argmax(error > CEILING)]:.4g}"
-        return f"{method} {f'blows up at t = {curve.t_end:.4g}' if curve.runs_off else left}: {largest(error)}"
-    if worst == 0:
-        return f"{method} conserves ψ exactly"
-    until = f"up to t = {_end_of(curve, known):.4g}"
+        return f"{method} {f'stops at t = {curve.t_end:.4g}' if curve.runs_off else left}: {largest(error)}"
     value = f"max |Δψ| = {rounded(worst)}{_relative(worst, size)}"
-    if kind := _kind_of_rounding(curve, error, known):
-        return f"{method} {'conserves ψ to' if curve.keeps else 'stays at the level of'} {kind}: {value}"
     if curve.runs_off:
-        return f"{method}: max |Δψ| = {rounded(worst)} {until}, where the run stops"  # ψ may grow large only there
+        return f"{method}: max |Δψ| = {rounded(worst)}{stops}"  # ψ may grow large only there
     if curve.keeps and curve.between is not None and (kind := _kind_of_rounding(curve, curve.between[known], known)):
         return f"{method} conserves ψ to {kind} between crossings, but perturbed crossings change it: {value} {until}"
     share = _share_of_crossings(curve, known)

@@ -214,7 +214,8 @@ def method_notes(scene: Scene) -> str:
     notes = []
     if scene.declaration.laws.most_conserved:
         keeping = listed([name for name in scene.offered if core.METHODS[name].conservative])
-        notes.append(f"{keeping} conserve ψ to round-off.")
+        exact = scene.locate and scene.perturbation_order is None
+        notes.append(f"{keeping} conserve ψ to round-off{' between crossings' * (not exact)}.")
     if resting:
         notes.append(f"{listed(resting)} need a conserved quantity; none is known here, so they are not offered.")
     for name in [name for name in scene.used if core.METHODS[name].adaptive]:

@@ -84,7 +84,7 @@ class StateTab(Tab):
 
     def meaning(self, outcome: StatePicture) -> str:
         """Return whose crossings are marked, for captions."""
-        return whose_marks([curve.method for curve in outcome.curves])
+        return whose_marks([curve.method for curve in outcome.curves], len(outcome.first.crossings))
 
     def pictures(self) -> list[figure]:
         """Return all panels."""

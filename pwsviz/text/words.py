@@ -41,9 +41,10 @@ def perturbation(order: int, scale: float) -> str:
     return printed(f"{factor}τ{str(order).translate(RAISED) if order != 1 else ''}")
 
 
-def whose_marks(methods: Sequence[str]) -> str:
-    """Say whose marks and shades are shown, where there are several integrators."""
-    return f"Marks of crossings and shading are those of {methods[0]}." if len(methods) > 1 else ""
+def whose_marks(methods: Sequence[str], crossings: int) -> str:
+    """Say of several integrators whose shades are shown, and whose crossings are marked if there are any."""
+    shown = "Marks of crossings and shading are those" if crossings else "Shading is that"
+    return f"{shown} of {methods[0]}." if len(methods) > 1 else ""
 
 
 def plural(count: int, noun: str) -> str:

@@ -117,7 +117,7 @@ def test_round_off_that_grows_with_psi_is_a_curve_and_what_stays_below_it_is_rou
     assert run.status is core.Status.ESCAPED
     assert curves[0].error[-1] > 1e-7
     assert re.fullmatch(
-        r"dmm2 conserves ψ to round-off: max \|Δψ\| = [\d.×]*10⁻. "
+        r"dmm2 conserves ψ to round-off up to t = \S+, where the run stops: max \|Δψ\| = [\d.×]*10⁻. "
         r"\([\d.×]*10⁻¹. times the size of ψ’s terms, about [\d.]+×10..\)\. "
         r"The size of ψ’s terms is .*\.",
         conserved_text(curves[:1]),
@@ -159,7 +159,7 @@ def test_the_sentence_tells_round_off_from_drift():
     words = (
         "dmm2 conserves ψ to accumulated round-off: max |Δψ| = 8×10⁻¹⁶; rk2 drifts: max |Δψ| = 6.4×10⁻⁷ up to t = 20."
     )
-    words += " Marks of crossings and shading are those of dmm2."
+    words += " Shading is that of dmm2."
     assert conserved_text([noise, drifting]) == words
 
 
@@ -188,8 +188,10 @@ def test_round_off_adds_up_over_the_steps_that_there_are():
 
 def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
     many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
+    met = replace(curve([0.0, 1e-16]), crossings=np.array([1.0]), sides=np.ones(2))
     whose, none = "Marks of crossings and shading are those of dmm2.", "crossings of dmm2 are too dense to mark"
-    for first, said, unsaid in ((curve([0.0, 1e-16]), whose, none), (many, none, whose)):
+    assert "Shading is that of dmm2." in conserved_text([curve([0.0, 1e-16]), curve([0.0, 1e-7], "rk2")])
+    for first, said, unsaid in ((met, whose, none), (many, none, whose)):
         words = conserved_text([first, curve([0.0, 1e-7], "rk2")])
         assert said in words
         assert unsaid not in words
