@@ -20,8 +20,9 @@ from pwsviz.figures.portrait_text import portrait_note
 from pwsviz.page.cover import Cover
 from pwsviz.page.export_dialog import NOT_YET, ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
-from pwsviz.page.help import ABOUT, CITATION, GREETING, GREETING_CSS, Help
-from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, STACK_CSS, TABS_SX, TAGLINE_CSS
+from pwsviz.page.headline import Headline
+from pwsviz.page.help import ABOUT, CITATION, Help
+from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, STACK_CSS, TABS_SX
 from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
@@ -85,7 +86,7 @@ class Explorer(pn.viewable.Viewer):
         self.notice = text_pane("")
         if scene is None and pn.state.location is not None:
             self.adopt(pn.state.location.search)  # before anything is computed
-        self.scheduler, self.history = Scheduler(), History(self.scene)
+        self.scheduler, self.history, self.headline = Scheduler(), History(self.scene), Headline(self.scene)
         self.announcer = Announcer(sizing_mode="fixed", width=0, height=0, margin=0)
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
         self.portrait_panel = PortraitPanel(
@@ -119,7 +120,7 @@ class Explorer(pn.viewable.Viewer):
     @cached_property
     def sidebar(self) -> Sidebar:
         """The controls."""
-        return Sidebar(self.scene, self.edit, self._call_with_pictures)
+        return Sidebar(self.scene, self.edit, self._call_with_pictures, self.headline.show)
 
     @cached_property
     def editing(self) -> Any:
@@ -337,11 +338,9 @@ class Explorer(pn.viewable.Viewer):
             self.portrait_panel, css_classes=["portrait"], margin=0, sizing_mode="stretch_width",
             stylesheets=[NARROW_CSS],
         )  # fmt: skip
-        greeting = markup_pane(GREETING_CSS)
-        greeting.object = GREETING
         both = pn.Column(left, self._views, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(
-            self.notice, greeting, both, self._about(),
+            self.notice, self.headline.greeting, both, self._about(),
             stylesheets=[STACK_CSS], margin=(8, 16), sizing_mode="stretch_width",
         )  # fmt: skip
 
@@ -385,9 +384,7 @@ class Explorer(pn.viewable.Viewer):
         export.on_click(lambda _: self.export.open(self._page_address()))
         ask = pmui.IconButton(icon="help_outline", description="Help (?)", size="small", margin=4)
         ask.on_click(lambda _: self.help.open())
-        tagline = markup_pane(TAGLINE_CSS)
-        tagline.object = f"<p>{escape(ABOUT)}</p>"
-        parts: list[Any] = [undo, redo, export, ask, tagline]
+        parts: list[Any] = [undo, redo, export, ask, self.headline.tagline]
         for part in parts:
             part.align = "center"
         return parts

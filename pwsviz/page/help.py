@@ -6,6 +6,8 @@ from html import escape
 
 import panel as pn
 
+import core
+from pwsviz.text.numbers import printed
 from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.panes import markup_pane
@@ -55,7 +57,7 @@ _USE = (
     "Where both fields point to the surface, the solution slides along it (Filippov), as a block sticks under dry "
     "friction; the run follows it, or stops there if that box is not ticked. A thick green line shows where, a dashed "
     "one where the surface repels.",
-    "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to see what it means.",
+    "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field to see what it means.",
     "Where there are several surfaces, a region is named by the signs of their functions: +− is where the first is "
     "positive and the second negative. Shades tell neighbouring regions apart.",
     "“Write your own …” takes the laws of both sides of a surface, or one law with sign, abs, max and so on, in which "
@@ -74,12 +76,13 @@ _KEYS = {
     "Ctrl+wheel": "zoom a figure around the pointer; the wheel alone scrolls the page",
     "Delete": "remove the selected start, with the pointer over the portrait",
     "Esc": "close a window such as this",
+    "One finger, two fingers": "scroll the page; move and zoom the figure under them",
 }
 
 _CSS = """
 ul { margin: 4px 0 12px; padding-left: 18px; } li { margin: 3px 0; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 14px; margin: 4px 0 12px; } dd { margin: 0; }
-kbd { font: inherit; font-weight: 600; } h2 { font-size: 0.95rem; margin: 10px 0 2px; } a { color: inherit; }
+h2 { font-size: 0.95rem; margin: 10px 0 2px; } a { color: inherit; }
 """
 
 
@@ -103,8 +106,12 @@ class Help(pn.viewable.Viewer):
 
 def _markup() -> str:
     use = "".join(f"<li>{escape(words)}</li>" for words in _USE)
-    keys = "".join(f"<dt><kbd>{escape(key)}</kbd></dt><dd>{escape(words)}</dd>" for key, words in _KEYS.items())
+    methods = {name: printed(method.doc) for name, method in core.METHODS.items()}
+    keys, integrators = (
+        "".join(f"<dt><b>{escape(name)}</b></dt><dd>{escape(words)}</dd>" for name, words in part.items())
+        for part in (_KEYS, methods)
+    )
     return (
-        f"<p>{escape(ABOUT)}</p><h2>Keys</h2><dl>{keys}</dl><h2>How to use it</h2><ul>{use}</ul>"
-        f"<h2>The method</h2><p>{CITATION}</p>"
+        f"<p>{escape(ABOUT)}</p><h2>Keys and fingers</h2><dl>{keys}</dl><h2>How to use it</h2><ul>{use}</ul>"
+        f"<h2>Integrators</h2><dl>{integrators}</dl><h2>The method</h2><p>{CITATION}</p>"
     )

@@ -46,9 +46,11 @@ footer a { color: inherit; }
 
 TAGLINE_CSS = """
 p { font-size: 0.8125rem; line-height: 1.3; max-width: 64ch; margin: 0 0 0 12px;
-    color: var(--mui-palette-text-secondary); }
-@media (width < 1150px) { p { display: none; } }
+    color: var(--mui-palette-text-secondary); display: var(--usual, block); }
+p.name { font-size: 1rem; color: var(--mui-palette-text-primary); display: var(--lecture, none); }
+@media (width < 1150px) { p, p.name { display: none; } }
 """
-"""What the page is, in its header; where that has no room, in the footer, or above a narrow portrait."""
+"""What the page is, in its header; where that has no room, in the footer, or above a narrow portrait. A lecture sets
+`--usual` and `--lecture`."""
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"

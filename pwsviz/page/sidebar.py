@@ -17,7 +17,7 @@ from pwsviz.page.help import FIRST
 from pwsviz.page.initial_states import Trajectories
 from pwsviz.scene.checks import OWN
 from pwsviz.scene.names import LABELS, short_name
-from pwsviz.scene.presets import PRESETS
+from pwsviz.scene.presets import PRESETS, Preset
 from pwsviz.scene.scene import PERTURBATION_ORDERS, TOLERANCES, Scene
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.words import as_text
@@ -64,11 +64,16 @@ class Sidebar(pn.viewable.Viewer):
         Called when the user wants to write a system.
     later : callable, optional
         Takes a function that shows changed numbers, and calls it; at once, unless it is better to wait for others.
+    on_preset : callable
+        Called with an example that has been loaded.
     """
 
-    def __init__(self, scene: Scene, on_edit: Callable[[], None], later: Later = at_once) -> None:
+    def __init__(
+        self, scene: Scene, on_edit: Callable[[], None], later: Later = at_once,
+        on_preset: Callable[[Preset], None] = lambda _: None,
+    ) -> None:  # fmt: skip
         super().__init__()
-        self.scene, self._later = scene, later
+        self.scene, self._later, self._on_preset = scene, later, on_preset
         self._make_examples()
         self._make_system(on_edit)
         self._make_numbers()
@@ -258,6 +263,7 @@ class Sidebar(pn.viewable.Viewer):
             title = f"<p><b>{escape(preset.title)}</b></p>"
             self.preset_note.object = title + as_text(preset.look, "about") + as_text(preset.try_, "about")
             self._preset = self.scene.declaration
+            self._on_preset(preset)
             self.presets.value = ""
 
     def _take_at_surface(self, event: Any) -> None:

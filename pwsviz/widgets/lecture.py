@@ -51,7 +51,10 @@ export function render({ model }) {
     if (on == model.large) return
     model.large = on
     document.documentElement.style.fontSize = on ? `${100 * LARGER}%` : ""
-    document.documentElement.style.setProperty("--rest", on ? "REST" : "")
+    const styles = { "--rest": "REST", "--usual": "none", "--lecture": "block" }
+    for (const [name, value] of Object.entries(styles)) {
+      document.documentElement.style.setProperty(name, on ? value : "")
+    }
     clearInterval(timer)
     if (on) {
       enlarge()

@@ -310,3 +310,16 @@ def test_the_numbers_of_many_starts_stand_in_rows_within_the_controls(visit):
         box = page.get_by_role("button", name=str(number), exact=True).bounding_box()
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= right
+
+
+@pytest.mark.deep
+def test_a_lecture_names_the_system_in_place_of_what_the_page_is(visit):
+    page = visit(1920, 1080, query="v=2&system=kepler")
+    await_painted(page, "Phase portrait")
+    name = page.locator("header").get_by_text("Kepler with a shell")
+    purpose = page.locator("header").get_by_text(re.compile("for teaching and research"))
+    assert (name.is_visible(), purpose.is_visible()) == (False, True)
+    page.keyboard.press("l")
+    assert becomes(page, lambda: (name.is_visible(), purpose.is_visible()) == (True, False))
+    page.keyboard.press("Escape")
+    assert becomes(page, lambda: (name.is_visible(), purpose.is_visible()) == (False, True))

@@ -1,0 +1,45 @@
+"""What the page is, or what it shows, at its head: in the header, and above the portrait on a narrow screen."""
+
+from __future__ import annotations
+
+from html import escape
+
+from pwsviz.page.help import ABOUT, GREETING, GREETING_CSS
+from pwsviz.page.look import TAGLINE_CSS
+from pwsviz.scene.presets import Preset
+from pwsviz.scene.scene import Scene
+from pwsviz.widgets.panes import markup_pane
+
+__all__ = ["Headline"]
+
+
+class Headline:
+    """Two panes that follow the system of a scene.
+
+    Attributes
+    ----------
+    tagline
+        In the header: what the page is; in a lecture, which leaves out the controls, the name of the system.
+    greeting
+        Above a narrow portrait, as the controls are out of sight there: what the page is, and what to try; once a
+        system is chosen its name, and with an example what to look at.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.tagline, self.greeting = markup_pane(TAGLINE_CSS), markup_pane(GREETING_CSS)
+        self.greeting.object = GREETING
+        self._write_tagline()
+        scene.param.watch(lambda *_: self.show(), ["system", "own"])
+
+    def show(self, preset: Preset | None = None) -> None:
+        """Show the name of the system, and what to look at in an example that has just been loaded."""
+        self._write_tagline()
+        words = f"<b>{escape(self.scene.declaration.name)}</b>"
+        if preset is not None:
+            words = f"<b>{escape(preset.title)}.</b> {escape(preset.look)}"
+        self.greeting.object = f'<p class="greeting">{words}</p>'
+
+    def _write_tagline(self) -> None:
+        name = escape(self.scene.declaration.name)
+        self.tagline.object = f'<p>{escape(ABOUT)}</p><p class="name">{name}</p>'
