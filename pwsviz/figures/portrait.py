@@ -347,6 +347,11 @@ class PortraitView:
         x, y = (np.asarray(self.jumps.data[name], dtype=float) for name in "xy")
         return bool((np.hypot(np.diff(x), np.diff(y)) > 0).any())
 
+    @property
+    def marks_steps(self) -> bool:
+        """Whether steps are marked, between which curves are interpolated: only where they are long."""
+        return len(self.steps.data["x"]) > 0
+
     def show_ground(
         self, system: core.PiecewiseSystem, backdrop: Backdrop, window: Window, starts: Sequence[tuple[float, float]]
     ) -> None:

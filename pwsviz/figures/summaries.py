@@ -151,6 +151,8 @@ def _not_drawn(drawn: Sequence[tuple[str, Row]]) -> Iterator[str]:
     exact = [name for name, row in drawn if all(error == 0 for error in row.error)]
     if exact:
         yield f"The error {listed(exact)} is 0, and not drawn"
+    if any(error == 0 for name, row in drawn if name not in exact for error in row.error):
+        yield "Errors that are 0 have no point"
     if any(not math.isfinite(error) for _, row in drawn for error in row.error):
         yield _GAPS
 

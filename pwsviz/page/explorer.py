@@ -34,7 +34,7 @@ from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import LongTab, Tab, make_tab
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
-from pwsviz.text.words import as_text, failure
+from pwsviz.text.words import STEPS_MARKED, as_text, failure
 from pwsviz.widgets.announcer import Announcer
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
@@ -313,7 +313,8 @@ class Explorer(pn.viewable.Viewer):
             )
             joined = "Dash-dotted lines join the states before and after jumps." * panel.portrait.joins_jumps
             note = portrait_note(self.scene.declaration, shown.axes, caption=True)
-            means = " ".join(filter(None, [means, joined, note]))
+            dots = STEPS_MARKED * panel.portrait.marks_steps
+            means = " ".join(filter(None, [means, joined, dots, note]))
             pieces = [Piece("Phase portrait", tables, drawn, slid=slid, meaning=means, endings=endings(runs))]
         if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
             return [*pieces, Piece(title, {}, [], lack=NOT_YET)]

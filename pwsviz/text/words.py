@@ -41,6 +41,10 @@ def perturbation(order: int, scale: float) -> str:
     return printed(f"{factor}τ{str(order).translate(RAISED) if order != 1 else ''}")
 
 
+STEPS_MARKED = "Dots are the ends of steps, between which the integrators interpolate."
+"""What captions say of curves on which steps are marked."""
+
+
 def whose_marks(methods: Sequence[str], crossings: int) -> str:
     """Say of several integrators whose shades are shown, and whose crossings are marked if there are any."""
     shown = "Marks of crossings and shading are those" if crossings else "Shading is that"

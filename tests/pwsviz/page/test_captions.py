@@ -68,3 +68,16 @@ def test_an_order_study_counts_jumps_and_tells_of_errors_that_are_zero(explorer)
     _, order = told_of(explorer, system="vibrating_table", view="order", methods=["dmm2"])
     assert "; jumps count as crossings." in order
     assert "The error before the first crossing is 0, and not drawn." in order
+
+
+def test_captions_say_what_dots_on_curves_are_and_that_errors_of_0_are_missing(explorer):
+    dots = "Dots are the ends of steps, between which the integrators interpolate."
+    for tau in (0.01, 0.2, 0.8):
+        told = told_of(explorer, view="state", methods=["rk4"], tau=tau)
+        curve, portrait = explorer.view.outcome.curves[0], explorer.portrait_panel.portrait
+        marked = [len(portrait.steps.data["x"]) > 0, len(curve.steps[0]) > 0]
+        assert [dots in one for one in told] == marked
+        assert marked == [True, True] or tau < 0.8
+    _, times = told_of(explorer, system="stick_slip", view="time", methods=["rk4"])
+    (study,) = explorer.view.outcome
+    assert ("Errors that are 0 have no point." in times) == bool((study.time_error == 0).any())
