@@ -58,6 +58,9 @@ FOOT, BOTTOM = FLOOR / 7, FLOOR / 25
 TICK = 8
 """Size in pixels of the mark of a crossing."""
 
+LINE = 0.045
+"""Height of a line of text, relative to that of the frame on a phone."""
+
 NOWHERE = 1e-300
 """Height of a mark that is not to be seen: below the axis."""
 
@@ -146,10 +149,11 @@ class ConservedView:
         show_methods(self.methods, methods)
         self._show_segments(errors[0])
         self._show_ticks(errors[0], landmarks)
-        self._show_round_off(errors[0])
+        self._draw_round_off(errors[0])
         top = max(float(np.fmax.reduce(y, initial=1e-14)) for y in (*heights, self.round_off.data["y"]))
         end = max(curve.t_end for curve in errors)
         assign(self.corners, x=[0.0, end or 1.0], y=[BOTTOM, 2 * top])
+        self._name_levels(errors[0], LINE * np.log10(2 * top / BOTTOM))
         only_g = CHANGE_OF_PSI not in axis_name(errors)
         what = SUMMARY.replace("the conserved quantity", "g while sliding") if only_g else SUMMARY
         describe(self.figure, f"{what}. {conserved_text(errors)}")
@@ -195,15 +199,21 @@ class ConservedView:
             method=[first.method] * count,
         )
 
-    def _show_round_off(self, first: ErrorCurve) -> None:
-        """Mark the round-off of ψ at the end, unless it is near another level or below all; draw it where it grows."""
-        level = first.round_off
-        last, grows = float(level[-1]), round_off_grows(first)
-        told = last > FLOOR and max(last / MACHINE_EPSILON, MACHINE_EPSILON / last) >= TELLABLE
-        self.levels.move(MACHINE_EPSILON, FLOOR, last if told else NOWHERE)
-        self.levels.spans[-1].visible = not grows
-        drawn = slice(None) if grows else slice(0)
-        assign(self.round_off, t=first.t[drawn], y=np.clip(level, FLOOR, CEILING)[drawn])
+    def _draw_round_off(self, first: ErrorCurve) -> None:
+        """Draw the round-off of ψ as a curve where it grows along the run."""
+        drawn = slice(None) if round_off_grows(first) else slice(0)
+        assign(self.round_off, t=first.t[drawn], y=np.clip(first.round_off, FLOOR, CEILING)[drawn])
+
+    def _name_levels(self, first: ErrorCurve, line: float) -> None:
+        """Mark eps and the round-off of ψ at the end, unless names would overlap, or these are below all.
+
+        A line of text is as high as `line` powers of ten.
+        """
+        last, apart = float(first.round_off[-1]), max(TELLABLE, 10.0**line)
+        told = last > FLOOR and max(last / MACHINE_EPSILON, MACHINE_EPSILON / last) >= apart
+        named = apart <= MACHINE_EPSILON / FLOOR
+        self.levels.move(MACHINE_EPSILON if named else NOWHERE, FLOOR, last if told else NOWHERE)
+        self.levels.spans[-1].visible = not round_off_grows(first)
 
 
 def _apart(curve: ErrorCurve, heights: Floats) -> tuple[Floats, Floats]:

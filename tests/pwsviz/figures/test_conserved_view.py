@@ -186,6 +186,14 @@ def test_round_off_adds_up_over_the_steps_that_there_are():
     assert "accumulated round-off" in conserved_text([many])
 
 
+def test_eps_is_not_named_where_its_name_would_overlap_that_of_the_lowest_level():
+    view = ConservedView()
+    for largest, named in ((1e-3, True), (1e8, False)):
+        view.show([curve([0.0, largest], "rk2")])
+        assert (view.levels.ticker.ticks[0] == MACHINE_EPSILON) == named
+        assert view.levels.ticker.ticks[1] == FLOOR
+
+
 def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
     many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
     met = replace(curve([0.0, 1e-16]), crossings=np.array([1.0]), sides=np.ones(2))
