@@ -158,6 +158,11 @@ class ConservedView:
         what = SUMMARY.replace("the conserved quantity", "g while sliding") if only_g else SUMMARY
         describe(self.figure, f"{what}. {conserved_text(errors)}")
 
+    @property
+    def draws_round_off(self) -> bool:
+        """Whether there is a line of round-off."""
+        return len(self.round_off.data["t"]) > 0 or self.levels.ticker.ticks[-1] != NOWHERE
+
     def _show_exits(self, errors: Sequence[ErrorCurve], heights: Sequence[Floats]) -> None:
         """Mark where curves leave the plot at its upper end, and say how large their |Δψ| becomes."""
         gone = [(curve, y) for curve, y in zip(errors, heights, strict=True) if np.nanmax(y, initial=0.0) >= CEILING]

@@ -59,8 +59,18 @@ def axis_name(curves: Sequence[ErrorCurve] = ()) -> str:
     return f"error {'; '.join(filter(None, (CHANGE_OF_PSI * (other or not slides), CHANGE_OF_G * slides)))}"
 
 
-def meaning(curves: Sequence[ErrorCurve], met: str) -> str:
-    """Return what is drawn, in the sentences of a caption; `met` names what runs meet: crossings, jumps or both."""
+def meaning(curves: Sequence[ErrorCurve], met: str, round_off: bool = True) -> str:
+    """Return what is drawn, in the sentences of a caption.
+
+    Parameters
+    ----------
+    curves : sequence of ErrorCurve
+        All curves.
+    met : str
+        What runs meet: crossings, jumps or both.
+    round_off : bool
+        Whether the line of round-off is drawn.
+    """
     name, words = axis_name(curves), []
     if CHANGE_OF_PSI in name:
         own = f", without the changes that the system itself makes at {met}"
@@ -68,10 +78,10 @@ def meaning(curves: Sequence[ErrorCurve], met: str) -> str:
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         when = "so far" if round_off_grows(curves[0]) else "in the run"
-        words.append(
+        words += [
             f"The line of round-off is at {LEVEL} times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}, "
             "xₖ being the variables"
-        )
+        ] * round_off
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
     if any(np.nanmax(curve.error, initial=0.0) >= CEILING for curve in curves):

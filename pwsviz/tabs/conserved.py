@@ -99,7 +99,7 @@ class ConservedTab(Tab):
     def meaning(self, outcome: ErrorPicture) -> str:
         """Return what the axis and the lines show, for captions."""
         note = conserved_note(outcome.system) * (outcome.system.laws.most_conserved > 0)
-        return f"{meaning(outcome.curves, met_at_surfaces(outcome.system))} {note}".strip()
+        return f"{meaning(outcome.curves, met_at_surfaces(outcome.system), self.view.draws_round_off)} {note}".strip()
 
     def tables(self) -> Tables:
         """Return the drift of every integrator at its own steps, and its crossings."""
