@@ -83,7 +83,7 @@ def test_captions_say_what_dots_on_curves_are_and_that_errors_of_0_are_missing(e
     assert ("Errors that are 0 have no point." in times) == bool((study.time_error == 0).any())
 
 
-@pytest.mark.parametrize(("system", "drawn"), [("elliptic_curve", True), ("type_upward", False)])
+@pytest.mark.parametrize(("system", "drawn"), [("elliptic_curve", True), ("diode_circuit", False)])
 def test_the_line_of_round_off_is_told_of_where_it_is_drawn(explorer, system, drawn):
     _, told = told_of(explorer, system=system, methods=["rk2"])
     assert explorer.view.view.draws_round_off == drawn
