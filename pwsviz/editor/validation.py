@@ -20,6 +20,7 @@ from pwsviz.editor.regions import REGION_FIELDS, Formula, Regions, read_parts
 from pwsviz.editor.typeset import constant, equation, rate, state_after
 from pwsviz.scene.checks import MAX_COORDINATE
 from pwsviz.scene.scene import can_use
+from pwsviz.text.advice import on_page
 from pwsviz.text.math_names import name_markup, quantity_name, unicode_name
 from pwsviz.text.mathml import markup
 from pwsviz.text.typed import Typed, rates, split
@@ -135,7 +136,7 @@ class _Check:
 
     def complain(self, name: str, words: str) -> None:
         """Add a complaint about a field, as a sentence."""
-        words = re.sub(r"'([^']*)'", r"“\1”", self.typed.message(words))
+        words = re.sub(r"'([^']*)'", r"“\1”", self.typed.message(on_page(words)))
         words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
         self.complaints.setdefault(name, []).append(words if words.endswith((".", "…")) else f"{words}.")
 

@@ -161,6 +161,7 @@ def test_walls_and_hysteresis_come_back_from_a_link_as_they_were_read(draft):
         ({"transitions": "on: x"}, "transitions", "“on: x” is not a transition"),
         ({"f_minus": "v, -x"}, "surfaces", "Regions have the laws of all regions: clear “Field f₋”, or this field"),
         ({"f": "v, -abs(x)"}, "f", "The field f gives the laws of all regions: clear “Switching functions g1”, “Reg"),
+        ({"x0": "30, 1"}, "x0", "(30, 1) lies in a region for which no law is declared"),
         ({"psi": "v"}, "surfaces", "clear “Conserved quantities ψ”, or"),
     ],
 )
