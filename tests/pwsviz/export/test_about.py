@@ -171,3 +171,13 @@ def test_a_caption_says_what_s_is_and_leaves_a_typed_name_as_it_is():
     assert ", S = {g = 0};" in caption(Scene(), "Phase portrait")
     system = core.PiecewiseSystem("my “x1” - 1e-3", ("x", "y"), ("1", "0"), ("1", "0"), "x", x0=(1.0, 0.0))
     assert caption(scene_of(system), "Order", how="a study").startswith("Order of the system “my ‘x1’ - 1e-3”. ")
+
+
+@every_system
+def test_the_region_in_which_a_run_begins_is_told_where_signs_of_surfaces_do_not_tell_it(system):
+    told = about(scene_of(system))["starts"]
+    if system.two_sided or system.laws.sides.shape[1]:
+        assert "region" not in told
+    else:
+        run = core.integrate(system, (0.0, 1e-3), tau=1e-3, method="rk4")
+        assert told.endswith(f", in region {run.system.modes[run.mode[0]].name}")
