@@ -134,12 +134,13 @@ def caption(
     count = system.laws.sides.shape[1]
     signs = f"; a region is named by the signs of {listed([f'g{k + 1}' for k in range(count)])}"
     signs *= not system.two_sided and count > 0
-    laws = f"{'; '.join(_in_a_sentence(parts['equations'].split('; ')))}{signs}"
+    told = list(_in_a_sentence(parts["equations"].split("; ")))
+    laws = f"{'; '.join(told)}{signs}"
     if len(parts["equations"]) > LONGEST:
-        surfaces = [one for one in _in_a_sentence(parts["equations"].split("; ")) if SURFACE.match(one)]
+        surfaces = [one for one in told if SURFACE.match(one)]
         laws = "; ".join([OMITTED, *surfaces] if len("; ".join(surfaces)) <= LONGEST else [OMITTED])
     runs = _with_methods(parts["integration"], known=system.laws.most_conserved > 0)
-    sentences = [f"{told[0].upper()}{told[1:]}." for told in (f"{laws}{values}", parts["starts"], runs)]
+    sentences = [f"{one[0].upper()}{one[1:]}." for one in (f"{laws}{values}", parts["starts"], runs)]
     return f"{named(scene, heading)}. {printed(indexed(' '.join(sentences)))}"
 
 

@@ -19,7 +19,7 @@ const within = ([x0, y0], [x1, y1], { left, right, top, bottom }) => {
 }
 
 // A path in pixels cut to a rectangle; its pieces are apart by a place that is not a number.
-const cut = (path, box) => {
+export const cut = (path, box) => {
   const found = []
   const push = ([x, y]) => {
     const last = found.at(-1)

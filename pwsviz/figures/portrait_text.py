@@ -195,8 +195,8 @@ def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
     )
     if alike:
         marks = f"marks of {met_at_surfaces(system)} refer to {plane}"
-        paler = ", each thinner than the one before," * (len(alike) > 1)
-        words += f" Thin lines show {'; '.join(alike)}{paler} and discs where they start; {marks}."
+        thinner = ", each thinner than the one before," * (len(alike) > 1)
+        words += f" Thin lines show {'; '.join(alike)}{thinner} and discs where they start; {marks}."
     return words
 
 
