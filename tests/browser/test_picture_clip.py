@@ -8,6 +8,8 @@ import pytest
 
 import pwsviz.export
 
+pytestmark = pytest.mark.browser
+
 CODE = Path(pwsviz.export.__file__).with_name("picture_clip.js").read_text()
 BOX = {"left": -1.0, "right": 2.0, "top": -0.5, "bottom": 1.5}
 
