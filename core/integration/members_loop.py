@@ -76,7 +76,7 @@ _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int
 @internal
 def is_settled(status, run, jumps):
     """Whether a run ends with a status, and does not go on with what only `Runner` knows."""
-    if status == _SLIDING and jumps == 1:
+    if (status == _SLIDING and jumps == 1) or run.retracted == 1:
         return False
     undecided = status in (_SLIDING, _REPELLING, _GRAZING)
     return status != _CORNER and not (undecided and run.first_mode == NO_MODE)

@@ -45,10 +45,11 @@ _MOST_CORNERS = 16
 _STATUS = {int(status): status for status in Status}
 _RUNNING, _COMPLETED = Status.RUNNING, Status.COMPLETED
 #: Places of the fields of the record that are read or written for every run.
-_T, _T_END, _TAU, _SHIFT, _PENDING, _ASKED, _RECORD, _STEPS, _ROWS, _HITS, _FOUND, _CROWDED = (
+_T, _T_END, _TAU, _SHIFT, _PENDING, _ASKED, _RECORD, _STEPS, _ROWS, _HITS, _FOUND, _CROWDED, _RETRACTED = (
     FIELDS[name]
     for name in (
         "t", "t_end", "tau", "shift", "pending", "asked", "record", "steps", "rows", "hits", "found", "crowded",
+        "retracted",
     )
 )  # fmt: skip
 
@@ -275,6 +276,9 @@ class Runner(Run):
             self.log.collect(n)
         if n := wholes[_ROWS]:
             self.rows.append((rows[:n], rows_x[:n]))
+        if wholes[_RETRACTED]:
+            last, places = self.chunks[-1]
+            self.chunks[-1] = last[:-1], places[:-1]
         if n := wholes[_HITS]:
             self._room_for_hits = min(_MORE * size, _HITS_KEPT)
             self.chunks = [*(self.chunks if keep_hits else self.chunks[-1:]), (hits[:n], places[:n])]

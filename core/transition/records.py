@@ -69,6 +69,7 @@ RUN = np.dtype(
         ("jumped", np.int64),  # 1: it is entered by a jump, so that it depends on the signs of all guards
         ("past", np.int64),  # number + 1 of a guard beyond whose zero it is entered, which ends it at once; or 0
         ("corner", np.int64),  # bits of the guards that vanish where the run has met several surfaces at once
+        ("retracted", np.int64),  # 1: the last crossing written by an earlier call of the loop is none: it was a touch
         ("chain", np.int64),  # number of modes in a row that ended where they were entered
         ("adaptive", np.int64),  # 1: a variable-step method
         ("conservative", np.int64),  # 1: the method holds ψ at its level

@@ -61,6 +61,8 @@ _SPENT = 2.0**-52
 _AGAINST = 2.0**-7
 #: After this many shrinking times in a row, a stay in a mode within rounding of the surface is Zeno and not a touch.
 _COMING = 3
+#: Two lengths in a step are the same if they differ by no more than this part.
+_SAME = 2.0**-20
 #: A guard of sliding vanishes as a power of time if its rate is then below this part of its mean rate in the step.
 _FLAT = 2.0**-26
 
@@ -254,6 +256,7 @@ def switch_mode(context, log, found):
     if run.monitored > 0:  # with the error of ψ at the end of the segment
         widen_envelope(context, log)
     against = run.chain == 0 and is_met_against_the_field(context, found, own)
+    stayed = found == TOUCH and has_stayed(context, guard.surface)
     run.leaving = 1
     row, at = guard.to, 0 if guard.back == NO_MODE else 1 << guard.back
     if corner:
@@ -275,6 +278,9 @@ def switch_mode(context, log, found):
             status, row, at, rate = _RUNNING, guard.slide, 0, math.nan
     record_place(context, log, 2)
     jumped = run.leaving == 0 or guard.jump != NO_JUMP
+    if stayed and status == _GRAZING:  # nor has it crossed
+        retract_crossing(context, log)
+        hit = log.hits[run.hits]
     record_crossing(run, hit, kind, context.guards[max(row, 0)].mode, status)
     if status != _RUNNING:
         return status
@@ -288,6 +294,37 @@ def switch_mode(context, log, found):
     status = begin_mode(context)
     hit.mode = run.mode if status == _RUNNING else NO_MODE  # a jump may have led beyond other surfaces
     return limit_crossings(context, hit.surface) if status == _RUNNING else status
+
+
+@inlined
+def has_stayed(context, surface):
+    """Whether a touch in a step that began where the state crossed the same surface is a return to that crossing."""
+    run = context.run
+    crossed = run.leaving == 1 and run.entered > 0.0 and run.jumped == 0 and run.crossings > 0 and run.chain == 0
+    located = run.follow == 1 and run.shift == 0.0
+    since = since_visit(run, context.w, visit_of(surface))
+    return crossed and located and since == elapsed(run) and since <= abs(run.hit) * (1.0 + _SAME)
+
+
+@internal
+def retract_crossing(context, log):
+    """Let the touch just written take the place of the crossing before it, as the state has not left g = 0 since then.
+
+    The run is back in the mode before that crossing. If that was written by an earlier call of the loop, run.retracted
+    tells so.
+    """
+    run, hits, places = context.run, log.hits, log.places
+    before = context.guards[context.guards[run.row + run.guard].to]
+    run.mode, run.crossings = before.mode, run.crossings - 1
+    if run.hits == 0:
+        run.retracted = 1
+        return
+    run.hits -= 1
+    rate = hits[run.hits].rate_before
+    hits[run.hits], hits[run.hits].rate_before = hits[run.hits + 1], rate
+    for k in range(3):
+        for i in range(context.x.size):
+            places[run.hits, k, i] = places[run.hits + 1, k, i]
 
 
 @internal

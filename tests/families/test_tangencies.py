@@ -29,3 +29,25 @@ def test_touches_are_where_the_amplitude_of_a_drawn_oscillator_reaches_the_surfa
         assert abs(found.value - start) < 1e-12, case
         assert np.abs(found.state - [place, 0.0]).max() < 1e-7, case
         assert abs(found.time - time) < 1e-7, case
+
+
+def test_a_touch_is_no_crossing_before_it_either(draws):
+    touches = 0
+    for rng in draws(60):
+        _, rate, place, velocity = drawn_oscillator(rng)
+        f = ("v", f"-{rate!r}**2*x"), ("v", f"-{rate!r}**2*x - {rng.uniform(0.5, 3.0)!r}*(x - {place!r})")
+        start = np.sqrt(place**2 - (velocity / rate) ** 2) + int(rng.integers(-12, 13)) * 2.0**-53
+        system = core.PiecewiseSystem("drawn", ("x", "v"), *f, f"x - {place!r}", x0=(start, velocity))
+        span, tau, method = (0.0, 6.0 / rate), rng.choice([0.01, 0.05, 0.1]), rng.choice(["rk8", "gauss4", "taylor"])
+        cold, warm = (core.integrate(system, span, tau=tau, method=method) for _ in range(2))
+        many = core.ensemble(system, span, [system.x0] * 2, tau=tau, method=method)
+        case = (rate, place, velocity, start, method, tau)
+        assert list(cold.crossings.kind) == list(warm.crossings.kind), case
+        assert (many.crossing_count == warm.crossing_count).all(), case
+        assert (many.status == warm.status).all(), case
+        if warm.status is core.Status.GRAZING:
+            touches += 1
+            assert list(warm.crossings.kind) == ["grazing"], case
+            assert (warm.mode == 0).all(), case
+            assert warm.crossings.rate_before[0] >= 0.0, case
+    assert touches
