@@ -1,16 +1,16 @@
-"""What a file or a picture shows, in words: the system, its parameters and how it was integrated."""
+"""What a file shows, in words: the system, its parameters and how it was integrated; captions are made of them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
 import core
 from pwsviz.geometry.shades import region_name
-from pwsviz.scene.equations import equations, indexed
+from pwsviz.scene.equations import equations
 from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.permalink import digest, query
 from pwsviz.scene.scene import Scene
@@ -18,33 +18,11 @@ from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed, shortest
 from pwsviz.text.words import at_surface, listed
 
-__all__ = ["about", "brief", "caption", "named", "release"]
-
-
-LONGEST = 400
-"""Characters of equations in a caption, about five lines of a page; longer ones are left out."""
-
-OMITTED = "the equations are given in the text"
-"""What a caption says in place of longer equations; those of the surfaces stay."""
-
-SURFACE = re.compile("g[₀-₉]* = ")
-"""With which the equation of a surface begins in `equations`."""
+__all__ = ["about", "brief", "named", "release"]
 
 
 FEW_DIGITS, ROUNDED = 6, 5
 """Significant digits up to which a caption has a number as it is, and those to which it rounds others."""
-
-IF_KNOWN = " where one is known"
-"""With which the declaration of an integrator ends a clause on what it does with a conserved quantity."""
-
-WHERE = re.compile("(g [<>] 0|region [^:]+): ")
-"""What stands before a law in `equations`, unless it holds on both sides."""
-
-METHOD = re.compile(rf"\b({'|'.join(core.METHODS)})\b")
-"""The name of an integrator."""
-
-ORDINARY = {"Classical", "Composition", "Explicit"}
-"""Words at the beginning of the declaration of an integrator that are no names."""
 
 Told = Callable[[float], str]
 """Writes a number after a sign of equality: “= 0.5”."""
@@ -77,8 +55,8 @@ def release() -> str:
 
 
 def about(
-    scene: Scene, address: str = "", how: str = "", *, every_start: bool = True, slid: bool = True, endings: str = "",
-    free: str = "", told: Told = exact,
+    scene: Scene, address: str = "", how: str = "", *, every_start: bool = True, met: bool = True, slid: bool = True,
+    endings: str = "", free: str = "", told: Told = exact,
 ) -> dict[str, str]:  # fmt: skip
     """Return what recomputes a scene, each part under its name: for the header of a file.
 
@@ -92,8 +70,8 @@ def about(
         How a study was made; runs of the scene are described by its own settings.
     every_start : bool
         Whether it shows runs from all starts, or from the selected one alone.
-    slid : bool
-        Whether one of the runs slides; if none does, sliding is not mentioned.
+    met, slid : bool
+        Whether one of the runs meets a surface, and whether one slides; if none does, that is not mentioned.
     endings : str
         A sentence on runs that end before the end time, as of `endings.endings`; without its stop.
     free : str
@@ -111,77 +89,8 @@ def about(
         "variables": f"{_variables(scene)}; a column of such a name has its values",
         "parameters": _parameters(scene, told, free),
         "starts": _starts(scene, every_start, told, free),
-        "integration": ". ".join(filter(None, (how or _integration(scene, slid, told), endings))),
+        "integration": ". ".join(filter(None, (how or _integration(scene, met, slid, told), endings))),
     }
-
-
-def caption(
-    scene: Scene, heading: str, how: str = "", *, every_start: bool = True, slid: bool = True, endings: str = "",
-    free: str = "",
-) -> str:  # fmt: skip
-    """Return the caption of a picture: what it shows, the equations, the parameters and the method.
-
-    Parameters
-    ----------
-    scene, how, every_start, slid, endings, free
-        As in `about`.
-    heading : str
-        What the picture shows, to be followed by “of the system”.
-    """
-    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings, free=free, told=brief)
-    values = f"; {values}" if (values := parts["parameters"]) else ""
-    system = scene.declaration
-    count = system.laws.sides.shape[1]
-    signs = f"; a region is named by the signs of {listed([f'g{k + 1}' for k in range(count)])}"
-    signs *= not system.two_sided and count > 0
-    told = list(_in_a_sentence(parts["equations"].split("; ")))
-    laws = f"{'; '.join(told)}{signs}"
-    if len(parts["equations"]) > LONGEST:
-        surfaces = [one for one in told if SURFACE.match(one)]
-        laws = "; ".join([OMITTED, *surfaces] if len("; ".join(surfaces)) <= LONGEST else [OMITTED])
-    runs = _with_methods(parts["integration"], known=system.laws.most_conserved > 0)
-    sentences = [f"{one[0].upper()}{one[1:]}." for one in (f"{laws}{values}", parts["starts"], runs)]
-    return f"{named(scene, heading)}. {printed(indexed(' '.join(sentences)))}"
-
-
-def _in_a_sentence(equations: Sequence[str]) -> Iterator[str]:
-    """Yield the parts of `equations` as those of a sentence: “for g < 0: x′ = 2y, conserving ψ₋ = …”."""
-    if not WHERE.match(equations[0]):
-        equations = [f"the law is {equations[0]}", *equations[1:]]
-    for one in equations:
-        where = WHERE.match(one)
-        before = f"{'in' if one.startswith('region') else 'for'} " if where else ""
-        surface = ", S = {g = 0}" * one.startswith("g = ")
-        yield f"{before}{one.replace(', ψ', ', conserving ψ', 1)}{surface}"
-
-
-def _with_methods(words: str, known: bool) -> str:
-    """Return words in which each integrator is explained where it is named first; `known` as of `_declared`."""
-    explained: list[str] = []
-
-    def explain(found: re.Match[str]) -> str:
-        name = found[0]
-        if name in explained:
-            return name
-        explained.append(name)
-        return f"{name} ({_declared(name, known)})"
-
-    words = METHOD.sub(explain, words)
-    within = [name for name in METHOD.findall(words) if name not in explained]  # the words on one may name another
-    return ". ".join([words, *(f"{name}: {_declared(name, known)}" for name in dict.fromkeys(within))])
-
-
-def _declared(name: str, known: bool) -> str:
-    """Return what an integrator is, as it is declared; also what it does “where one is known”, a ψ, if one is."""
-    first, *more = re.split("[:;] ", core.METHODS[name].doc.rstrip("."))
-    more = [one.removesuffix(IF_KNOWN) for one in more if known and one.endswith(IF_KNOWN)]
-    return ", ".join([_within_a_sentence(first), *more])
-
-
-def _within_a_sentence(words: str) -> str:
-    """Return words that began a sentence, with a small letter unless they begin with a name."""
-    first = words.split(" ", 1)[0]
-    return words if first not in ORDINARY else f"{words[0].lower()}{words[1:]}"
 
 
 def _variables(scene: Scene) -> str:
@@ -229,15 +138,15 @@ def _begins(scene: Scene, starts: Sequence[Sequence[float]]) -> str:
     return f", in region{several}" if all(names) else ""
 
 
-def _integration(scene: Scene, slid: bool, told: Told) -> str:
+def _integration(scene: Scene, met: bool, slid: bool, told: Told) -> str:
     """Return the integrators, the step size and what happens at crossings."""
     adaptive = [name for name in scene.used if _adaptive(name)]
     others = [name for name in scene.used if name not in adaptive]
     by = [f"by {listed(others)} with step size τ {told(scene.tau)}"] if others else []
     by += [f"by {listed(adaptive)} with tolerance {scene.tolerance:.3g}"] if adaptive else []
-    met = met_at_surfaces(scene.declaration)
-    crossings = at_surface(met, scene.locate, scene.slides and slid, scene.perturbation_order, scene.perturbation_scale)
-    return f"integrated {' and '.join(by)} to t {told(scene.t_end)}; {crossings}"
+    what, slides = met_at_surfaces(scene.declaration), scene.slides and slid
+    crossings = at_surface(what, scene.locate, slides, scene.perturbation_order, scene.perturbation_scale)
+    return f"integrated {' and '.join(by)} up to t {told(scene.t_end)}{f'; {crossings}' * met}"
 
 
 def _adaptive(method: str) -> bool:

@@ -78,16 +78,16 @@ def setting_text(curve: CostCurve, k: int) -> str:
 
 
 def settings_text(study: core.WorkPrecision) -> str:
-    """Return between which step sizes and tolerances the points lie: “dmm2: τ from 0.001 to 0.2”."""
+    """Return between which step sizes and tolerances the points lie: “step sizes from 0.001 to 0.2 (dmm2)”."""
     ranges = []
-    for name, said in (("tau", "τ"), ("tolerance", "tolerance")):
+    for name, said in (("tau", "step sizes"), ("tolerance", "tolerances")):
         having = [c for c in study.curves if c.setting_name == name and np.isfinite(c.seconds).any()]
         whose: dict[str, list[str]] = {}
         for curve in having:
             found = curve.setting[np.isfinite(curve.seconds)]
             whose.setdefault(f"{said} from {found.min():.3g} to {found.max():.3g}", []).append(curve.title)
-        ranges += [f"{listed(titles)}: {words}" for words, titles in whose.items()]
-    return "; ".join(ranges)
+        ranges += [f"{words} ({listed(titles)})" for words, titles in whose.items()]
+    return ", ".join(ranges)
 
 
 def missing_text(study: core.WorkPrecision) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from functools import cached_property, partial
 from html import escape
@@ -305,7 +305,6 @@ class Explorer(pn.viewable.Viewer):
         if shown is not None and shown.inputs == PortraitInputs.of(self.scene):  # else of other settings
             all_runs = drawn_runs(shown.inputs, self.scene.selected, self.results.run)
             tables, runs = {**portrait_tables(all_runs), **drawn_table(shown)}, list(all_runs())
-            slid = any(one.run.sliding.any() for one in runs)
             drawn = [panel.portrait.figure]
             several = len(self.scene.starts) > 1
             means = panel.portrait.ground.meaning(
@@ -315,13 +314,14 @@ class Explorer(pn.viewable.Viewer):
             note = portrait_note(self.scene.declaration, shown.axes, caption=True)
             dots = STEPS_MARKED * panel.portrait.marks_steps
             means = " ".join(filter(None, [means, joined, dots, note]))
-            pieces = [Piece("Phase portrait", tables, drawn, slid=slid, meaning=means, endings=endings(runs))]
+            pieces = [Piece("Phase portrait", tables, drawn, meaning=means, **_course(runs))]
         if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
             return [*pieces, Piece(title, {}, [], lack=NOT_YET)]
-        said = view.how(view.outcome), view.every_start, view.slid, view.free(), view.meaning(view.outcome)
-        of_scene = [] if said[0] else [one for one in runs if view.every_start or one.start == self.scene.selected + 1]
-        heading = view.heading(view.outcome)
-        return [*pieces, Piece(title, view.tables(), view.pictures(), *said, endings(of_scene), heading=heading)]
+        said = {"how": view.how(view.outcome), "every_start": view.every_start, "free": view.free()}
+        said |= {"meaning": view.meaning(view.outcome), "heading": view.heading(view.outcome)}
+        if not said["how"]:
+            said |= _course([one for one in runs if view.every_start or one.start == self.scene.selected + 1])
+        return [*pieces, Piece(title, view.tables(), view.pictures(), **said)]
 
     def settle(self, timeout: float) -> bool:
         """Wait at most `timeout` seconds; return whether all computations are done. For use without a server."""
@@ -401,3 +401,9 @@ class Explorer(pn.viewable.Viewer):
     def _page_address() -> str:
         location = pn.state.location
         return (location.href or "").partition("?")[0] if location is not None else ""
+
+
+def _course(runs: Sequence[DrawnRun]) -> dict[str, Any]:
+    """Return what captions are told of runs of the scene: whether one meets a surface or slides, and early ends."""
+    met = any(one.run.crossing_count for one in runs)
+    return {"met": met, "slid": any(one.run.sliding.any() for one in runs), "endings": endings(runs)}

@@ -14,12 +14,12 @@ import panel as pn
 import panel_material_ui as pmui
 from bokeh.plotting import figure
 
-from pwsviz.export.about import about, caption
+from pwsviz.export.about import about
+from pwsviz.export.caption import caption, short_caption
 from pwsviz.export.files import Table, Tables, csv_bytes, file_name, npz_bytes
 from pwsviz.export.latex import latex_file
 from pwsviz.export.pictures import CHOICES, KINDS, picture_callback, pixels
 from pwsviz.export.script import snippet
-from pwsviz.export.short_caption import short_caption
 from pwsviz.figures.colours import PRINTED_OPACITY
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
@@ -68,6 +68,8 @@ class Piece(NamedTuple):
     """How a study was made; empty if it shows runs of the scene."""
     every_start: bool = True
     """Whether it shows runs from all starts, or from the selected one alone."""
+    met: bool = True
+    """Whether one of the runs meets a surface."""
     slid: bool = True
     """Whether one of the runs slides."""
     free: str = ""
@@ -84,7 +86,7 @@ class Piece(NamedTuple):
     @property
     def origin(self) -> dict[str, Any]:
         """What `about` and `caption` are told of it."""
-        names = ("how", "every_start", "slid", "endings", "free")
+        names = ("how", "every_start", "met", "slid", "endings", "free")
         return {name: getattr(self, name) for name in names}
 
 

@@ -65,8 +65,9 @@ def draw_panel(preset: Preset, results: Results) -> Panel:
     draw = _portrait if preset.figure in PORTRAITS else _DRAW[scene.view]
     plot, numbers, tables = draw(scene, results)
     plot.name = preset.key
-    slid = any(results.run(one).sliding.any() for one in (*run_inputs(scene), *other_inputs(scene)))
-    return Panel(preset, plot, numbers, tables, query(scene), about(scene, slid=slid))
+    runs = [results.run(one) for one in (*run_inputs(scene), *other_inputs(scene))]
+    met, slid = any(run.crossing_count for run in runs), any(run.sliding.any() for run in runs)
+    return Panel(preset, plot, numbers, tables, query(scene), about(scene, met=met, slid=slid))
 
 
 Drawn = tuple[figure, Numbers, Tables]

@@ -1,22 +1,62 @@
-"""The equations of a system on one line of text."""
+"""The equations of a system as text."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import core
 from pwsviz.geometry.shades import region_name
 from pwsviz.scene.names import readable
 from pwsviz.text.math_names import numbered, quantity_name, unicode_name, variable_name
 
-__all__ = ["equations", "indexed"]
+__all__ = ["Equations", "Law", "equations", "equations_of", "indexed"]
 
 LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
+class Law(NamedTuple):
+    """The law of a region: where it holds, as “g < 0”, and the rates; “” where one law holds everywhere."""
+
+    where: str
+    rates: str
+    conserved: str
+
+
+class Equations(NamedTuple):
+    """The equations of a system, part by part."""
+
+    laws: list[Law]
+    surfaces: list[str]
+    """Of each surface, “g = …”."""
+    resets: list[str]
+    """Of each surface at which the state jumps, “reset map at g = 0: …”."""
+    transitions: list[str]
+    """Of each transition between regions, “on to off where … = 0”."""
+
+
+def equations_of(system: core.PiecewiseSystem) -> Equations:
+    """Return the equations of a system; a law that holds on both sides of one surface is told once."""
+    names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]
+    surfaces = [f"{name} = {readable(g, system)}" for name, g in zip(names, system.surfaces, strict=True)]
+    state = f"({', '.join(map(variable_name, system.variables))})"
+    resets = [f"reset map at {names[k]} = 0: {state} ↦ {_map(jump, system)}" for k, jump in system.jumps.items()]
+    transitions = []
+    for way in system.transitions:
+        jump = f", reset map {state} ↦ {_map(way.jump, system)}" if way.jump else ""
+        transitions.append(f"{way.mode} to {way.to} where {readable(way.guard, system)} = 0{jump}")
+    return Equations(_laws(system), surfaces, resets, transitions)
+
+
 def equations(system: core.PiecewiseSystem) -> str:
-    """Return the laws of all regions, as “g < 0: x′ = 2y, ψ₋ = …; g > 0: …; g = …”; one for all as “x′ = …; g = …”."""
+    """Return them on one line: “g < 0: x′ = 2y, ψ₋ = …; g > 0: …; g = …”; one law for all as “x′ = …; g = …”."""
+    found = equations_of(system)
+    laws = (f"{law.where}: " * bool(law.where) + ", ".join(filter(None, law[1:])) for law in found.laws)
+    return "; ".join([*laws, *found.surfaces, *found.resets, *found.transitions])
+
+
+def _laws(system: core.PiecewiseSystem) -> list[Law]:
     words = {"-": ("g < 0", "-"), "+": ("g > 0", "+")} if system.two_sided else {}
     regions = list(zip(system.laws.regions, system.regions.values(), strict=True))
     if system.two_sided and regions[0][1] == regions[1][1]:
@@ -24,23 +64,16 @@ def equations(system: core.PiecewiseSystem) -> str:
     laws = []
     for mode, region in regions:
         where, side = words.get(mode.name, (f"region {region_name(mode)}", ""))
-        rates = [
+        rates = (
             f"{variable_name(variable)}′ = {readable(rate, system)}"
             for variable, rate in zip(system.variables, region.f, strict=True)
-        ]
+        )
         names = [quantity_name(side, k, len(region.psi)) for k in range(len(region.psi))]
         conserved = (
             f"{unicode_name(name, name)} = {readable(psi, system)}" for name, psi in zip(names, region.psi, strict=True)
         )
-        laws.append(f"{where}: " * bool(where) + ", ".join([*rates, *conserved]))
-    names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]
-    laws += [f"{name} = {readable(g, system)}" for name, g in zip(names, system.surfaces, strict=True)]
-    state = f"({', '.join(map(variable_name, system.variables))})"
-    laws += [f"reset map at {names[k]} = 0: {state} ↦ {_map(jump, system)}" for k, jump in system.jumps.items()]
-    for way in system.transitions:
-        jump = f", reset map {state} ↦ {_map(way.jump, system)}" if way.jump else ""
-        laws.append(f"{way.mode} to {way.to} where {readable(way.guard, system)} = 0{jump}")
-    return "; ".join(laws)
+        laws.append(Law(where, ", ".join(rates), ", ".join(conserved)))
+    return laws
 
 
 def _map(jump: Iterable[str], system: core.PiecewiseSystem) -> str:

@@ -78,12 +78,12 @@ class CostTab(LongTab):
         """Return what the runs do at crossings, what they are compared with, and how they are timed."""
         scene = self.scene
         slides = scene.slides and outcome.met.slides > 0
-        crossings = at_surface(met_at_surfaces(scene.declaration), scene.locate, slides)
+        crossings = at_surface(met_at_surfaces(scene.declaration), scene.locate, slides) if any(outcome.met) else ""
         by = f"integrated by {listed([curve.title for curve in outcome.curves])} {compared_with(outcome)}"
         peers = [curve.title for curve in outcome.curves if curve.peer]
         verbs = ("locates", "restarts") if len(peers) == 1 else ("locate", "restart")
-        crossings += f"; {listed(peers)} {verbs[0]} them as events and {verbs[1]} there" * bool(peers)
-        runs = f"{by}; {settings_text(outcome)}{missing_text(outcome)}; {crossings}"
+        crossings += f"; {listed(peers)} {verbs[0]} them as events and {verbs[1]} there" * bool(peers and crossings)
+        runs = "; ".join(filter(None, [by, f"{settings_text(outcome)}{missing_text(outcome)}", crossings]))
         return f"{runs}. {timed_how(outcome)}"
 
     def heading(self, outcome: core.WorkPrecision) -> str:

@@ -5,7 +5,8 @@ import re
 import pytest
 
 import core
-from pwsviz.export.about import about, caption
+from pwsviz.export.about import about
+from pwsviz.export.caption import caption
 from pwsviz.scene.scene import Scene
 from pwsviz.text.math_names import numbered, variable_name
 from tests.pwsviz.own_systems import OWN_SYSTEMS, RELAY, WALL
@@ -53,8 +54,9 @@ def has_one_law(system):
 def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
     assert equations(core.CATALOGUE["henon_heiles"])[0].startswith("x′ = u, ")
     told = caption(scene_of(core.CATALOGUE["three_bodies"]), "Order")
-    assert "”. The equations are given in the text; g = (x₁ − x₂)² + (y₁ − y₂)² − D², S = {g = 0}; D = 0.6, " in told
-    assert "; for g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
+    surface = "S = {g = 0} with g = (x₁ − x₂)² + (y₁ − y₂)² − D². Parameters: D = 0.6, "
+    assert f"”. The equations are given in the text. {surface}" in told
+    assert ". For g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
     assert "”. The law is x′ = u, " in caption(scene_of(core.CATALOGUE["henon_heiles"]), "Order")
     assert "”. In region −−: x′ = " in caption(scene_of(core.CATALOGUE["chua"]), "Order")
 
@@ -144,13 +146,13 @@ def test_a_variable_has_one_name_in_all_of_a_caption():
 def test_a_caption_tells_integrators_as_they_are_declared_and_whose_the_tolerance_is():
     told = caption(Scene(methods=["taylor"]), "State")
     chosen = "taylor (Taylor series, order and step size chosen from a tolerance"
-    assert f"by {chosen}, projected onto the level set of ψ) with tolerance 10⁻¹² to t = 20;" in told
+    assert f"by {chosen}, projected onto the level set of ψ) with tolerance 10⁻¹² up to t = 20." in told
     assert caption(scene_of(core.CATALOGUE["chua"]), "State", how="runs of taylor").endswith(f"{chosen})."), "no ψ"
     told = caption(Scene(methods=["dmm4", "taylor"]), "State")
     composed = "dmm4 (composition of five steps of dmm2 (Suzuki), order 4)"
     assert f"by {composed} with step size τ = 0.01 and by taylor (Taylor series, " in told
     assert told.endswith(". dmm2: Discrete Multiplier Method, order 2."), "that of dmm4 names it"
-    assert "Runs of dmm2 (Discrete Multiplier Method, order 2); reference." in caption(
+    assert "Runs of dmm2 (Discrete Multiplier Method, order 2). Reference." in caption(
         Scene(), "Order", how="runs of dmm2; reference"
     )
 
@@ -168,7 +170,7 @@ def test_a_caption_has_numbers_as_fields_show_them_and_files_have_all_digits():
 
 
 def test_a_caption_says_what_s_is_and_leaves_a_typed_name_as_it_is():
-    assert ", S = {g = 0};" in caption(Scene(), "Phase portrait")
+    assert ". S = {g = 0} with g = " in caption(Scene(), "Phase portrait")
     system = core.PiecewiseSystem("my “x1” - 1e-3", ("x", "y"), ("1", "0"), ("1", "0"), "x", x0=(1.0, 0.0))
     assert caption(scene_of(system), "Order", how="a study").startswith("Order of the system “my ‘x1’ - 1e-3”. ")
 

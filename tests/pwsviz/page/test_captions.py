@@ -2,7 +2,7 @@
 
 import pytest
 
-from pwsviz.export.about import caption
+from pwsviz.export.caption import caption
 
 
 def told_of(explorer, **settings):

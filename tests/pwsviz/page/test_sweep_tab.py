@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.export.about import caption
+from pwsviz.export.caption import caption
 from pwsviz.export.tables import sweep_tables
 from pwsviz.figures.point_cloud import FEW, FINE
 from pwsviz.geometry.window import Window

@@ -3,9 +3,9 @@
 import pytest
 
 import core
-from pwsviz.export.about import about, caption
+from pwsviz.export.about import about
+from pwsviz.export.caption import caption, short_caption
 from pwsviz.export.endings import endings
-from pwsviz.export.short_caption import short_caption
 from pwsviz.export.tables import DrawnRun
 from pwsviz.scene.scene import Scene
 from tests.pwsviz.own_systems import OWN_SYSTEMS
@@ -38,15 +38,26 @@ def test_crossings_that_are_perturbed_or_not_located_are_told():
     scene = Scene(perturbation_order=2)
     assert "times perturbed by τ²" in short_caption(scene, "Phase portrait")
     scene = Scene(locate=False)
-    assert "crossings not located" in short_caption(scene, "Phase portrait")
-    assert "crossings" not in short_caption(Scene(), "Phase portrait")
+    assert "Crossings not located." in short_caption(scene, "Phase portrait")
+    assert "rossings" not in short_caption(Scene(), "Phase portrait")
+
+
+def test_what_happens_at_crossings_is_told_only_if_there_are_some():
+    assert "Crossings located by Mannshardt’s transition scheme." in caption(Scene(), "Phase portrait")
+    assert "rossings" not in caption(Scene(), "Phase portrait", met=False, slid=False)
+
+
+def test_each_part_of_a_caption_is_a_sentence():
+    told = caption(Scene(), "Phase portrait")
+    begins = [one.split()[0] for one in told.split(". ")]
+    assert begins == ["Phase", "For", "For", "S", "Parameters:", "Initial", "Integrated", "Crossings", "On"]
 
 
 def test_of_a_study_it_has_the_first_clause_and_the_integrator():
     told = short_caption(Scene(), "Order", how="integrated by dmm2; reference: exact. A rule.")
     assert told.endswith("Integrated by dmm2.")
     told = short_caption(Scene(), "Sweep", how="diagram of x; each run begins at the start; integrated by dmm2 with τ")
-    assert told.endswith("Diagram of x; integrated by dmm2 with τ.")
+    assert told.endswith("Diagram of x. Integrated by dmm2 with τ.")
 
 
 def test_a_run_that_ended_early_is_told_with_its_time_everywhere():
