@@ -317,7 +317,7 @@ class Explorer(pn.viewable.Viewer):
             pieces = [Piece("Phase portrait", tables, drawn, meaning=means, **_course(runs))]
         if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
             return [*pieces, Piece(title, {}, [], lack=NOT_YET)]
-        said = {"how": view.how(view.outcome), "every_start": view.every_start, "free": view.free()}
+        said: dict[str, Any] = {"how": view.how(view.outcome), "every_start": view.every_start, "free": view.free()}
         said |= {"meaning": view.meaning(view.outcome), "heading": view.heading(view.outcome)}
         if not said["how"]:
             said |= _course([one for one in runs if view.every_start or one.start == self.scene.selected + 1])
