@@ -36,7 +36,7 @@ from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import STEPS_MARKED, as_text, failure
 from pwsviz.widgets.announcer import Announcer
-from pwsviz.widgets.browser import REMEMBER_DARK, Browser
+from pwsviz.widgets.browser import NARROW, REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.kept import kept
@@ -135,7 +135,7 @@ class Explorer(pn.viewable.Viewer):
     @cached_property
     def help(self) -> Help:
         """The dialog behind “?”."""
-        return Help()
+        return Help(self.lecture.turn)
 
     @property
     def view(self) -> Tab:
@@ -358,7 +358,7 @@ class Explorer(pn.viewable.Viewer):
         page.jscallback(dark_theme=REMEMBER_DARK)
         keys = {"undo": self.history.undo, "redo": self.history.redo, "help": lambda: self.help.open()}
         self.browser.on_msg(lambda event: keys[event.data]())
-        self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large")
+        self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large && innerWidth >= {NARROW}")
         page.main.extend([self.browser, self.lecture, self.announcer])
         pn.state.onload(self._furnish)
         return page

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from html import escape
 
 import panel as pn
+import panel_material_ui as pmui
 
 import core
 from pwsviz.text.numbers import printed
 from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.dialog import dialog
-from pwsviz.widgets.panes import markup_pane
+from pwsviz.widgets.panes import PLAIN_SX, markup_pane
 
 __all__ = ["ABOUT", "CITATION", "FIRST", "GREETING", "GREETING_CSS", "Help"]
 
@@ -72,7 +74,7 @@ _KEYS = {
     "Tab, arrow keys, Enter": "go through the controls, choose, press",
     "Arrow keys, + and −, 0": "pan, zoom and refit the figure that has keyboard focus",
     "Space": "play or pause the animation, while it is open",
-    "L": "lecture mode: full screen and large type, on and off; Esc leaves it",
+    "L": "lecture mode: full screen and large type, on and off, as the button above; Esc leaves it",
     "Ctrl+wheel": "zoom a figure around the pointer; the wheel alone scrolls the page",
     "Delete": "remove the selected start, with the pointer over the portrait",
     "Esc": "close a window such as this",
@@ -87,17 +89,31 @@ h2 { font-size: 0.95rem; margin: 10px 0 2px; } a { color: inherit; }
 
 
 class Help(pn.viewable.Viewer):
-    """The help in a dialog; its text is made when it is first opened."""
+    """The help in a dialog; its text is made when it is first opened.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    turn : callable
+        Turns the lecture mode on and off.
+    """
+
+    def __init__(self, turn: Callable[[], None]) -> None:
         super().__init__()
         self.text = markup_pane(_CSS)
-        self.dialog = dialog("Help", self.text, width="sm")
+        lecture = pmui.Button(
+            label="Lecture mode", icon="co_present", variant="text", size="small", margin=0, sx=PLAIN_SX
+        )  # fmt: skip
+        lecture.on_click(lambda _: self._give_a_lecture(turn))
+        self.dialog = dialog("Help", lecture, self.text, width="sm")
 
     def open(self) -> None:
         """Open the dialog."""
         self.text.object = self.text.object or _markup()
         self.dialog.open = True
+
+    def _give_a_lecture(self, turn: Callable[[], None]) -> None:
+        self.dialog.open = False
+        turn()
 
     def __panel__(self) -> pn.viewable.Viewable:
         """The dialog, closed until it is opened."""

@@ -10,13 +10,17 @@ import param
 __all__ = ["SEEN_NAME", "Choices"]
 
 CHOICES_CSS = """
-fieldset { display: flex; flex-wrap: wrap; gap: 2px 12px; margin: 0; padding: 2px; border: none; font-size: 1rem;
-           color: var(--mui-palette-text-primary); }
+fieldset { position: relative; display: flex; flex-wrap: wrap; gap: 2px 12px; margin: 0; padding: 2px; border: none;
+           font-size: 1rem; color: var(--mui-palette-text-primary); }
 legend { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
 label { display: inline-flex; align-items: center; min-width: 24px; min-height: 26px; cursor: pointer; }
 input { width: 18px; height: 18px; margin: 0 6px 0 0; flex: none; cursor: pointer;
         accent-color: var(--mui-palette-primary-main); }
 input:focus-visible { outline: 2px solid var(--mui-palette-primary-main); outline-offset: 2px; }
+span[title]:not([title=""]):has(input:focus-visible)::after {
+    content: attr(title); position: absolute; inset: calc(100% + 4px) 0 auto; z-index: 1; padding: 4px 8px;
+    border-radius: 4px; font-size: 0.8rem; color: var(--mui-palette-background-paper);
+    background: var(--mui-palette-text-primary); }
 """
 
 
@@ -29,7 +33,7 @@ legend { position: static; float: left; width: auto; height: auto; clip-path: no
 
 
 class Choices(pn.custom.JSComponent):
-    """Check boxes, with a name for the group that screen readers tell and a tooltip for each box."""
+    """Check boxes, each with a tip at the pointer or the keyboard; screen readers are told the name of the group."""
 
     label = param.String(default="", doc="Name of the group.")
     options = param.List(default=[], item_type=str, doc="Names of the boxes.")

@@ -22,6 +22,7 @@ class Lecture(pn.custom.JSComponent):
     """Invisible: fills the screen and enlarges the type of page and figures, in the browser alone."""
 
     large = param.Boolean(default=False, doc="Whether it is on; set in the browser.")
+    turned = param.Integer(default=0, doc="How often it was turned on or off other than by the key.")
 
     _esm = (
         """
@@ -75,6 +76,7 @@ export function render({ model }) {
     turn(!model.large)
   }
   const leave = () => { if (!document.fullscreenElement) turn(false) }
+  model.on("turned", () => turn(!model.large))
   document.addEventListener("keydown", press)
   document.addEventListener("fullscreenchange", leave)
   model.on("remove", () => {
@@ -88,3 +90,7 @@ export function render({ model }) {
         .replace("REST", REST)
         .replace("KEY", KEY)
     )
+
+    def turn(self) -> None:
+        """Turn it on, or off."""
+        self.turned += 1

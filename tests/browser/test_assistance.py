@@ -166,6 +166,21 @@ def test_buttons_tell_what_they_open_and_lists_what_they_are(visit):
     sync_api.expect(several).to_have_attribute("aria-expanded", "true")
 
 
+TIP_OF_BOX = "box => getComputedStyle(box.closest('span'), '::after').content"
+"""What is written beside a check box."""
+
+
+def test_an_integrator_entered_by_the_keyboard_says_what_it_is(visit):
+    page = visit()
+    box = page.get_by_role("checkbox", name="rk4", exact=True)
+    sync_api.expect(box).to_have_attribute("aria-description", re.compile("Runge"))
+    assert box.evaluate(TIP_OF_BOX) == "none"
+    page.get_by_role("checkbox", name="rk2", exact=True).focus()
+    page.keyboard.press("Tab")
+    sync_api.expect(box).to_be_focused()
+    assert "Runge" in box.evaluate(TIP_OF_BOX)
+
+
 def test_a_button_that_can_no_longer_be_pressed_hands_the_focus_on(visit):
     page = visit()
     await_painted(page, "Phase portrait")

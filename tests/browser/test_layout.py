@@ -94,6 +94,15 @@ def test_a_key_turns_the_lecture_mode_on_and_off(visit):
         page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
 
 
+@pytest.mark.deep
+def test_the_help_has_a_button_for_the_lecture_mode_as_a_phone_has_no_keys(phone):
+    for size in ("150%", ""):
+        phone.get_by_role("button", name="Help (?)").click()
+        phone.get_by_role("button", name="Lecture mode").click()
+        phone.wait_for_function("size => document.documentElement.style.fontSize == size", arg=size)
+        assert becomes(phone, lambda: not phone.get_by_role("dialog").is_visible())
+
+
 FRAME = """() => {
     const {frame: {bbox}, el} = Bokeh.index.query_one(view => view.model.type == "Figure" && view.model.match_aspect)
     const foot = el.getBoundingClientRect().bottom
