@@ -28,6 +28,8 @@ def mistake(source: str) -> str:
         return "write what stands right of = alone"
     if ("sign", "^") in tokens:
         return _unpaired(tokens) or "write powers as **"
+    if ("sign", "|") in tokens:
+        return "write the absolute value |x| as abs(x)"
     return _strange(tokens) or _unpaired(tokens) or _between(tokens) or "write products with *, powers with **"
 
 

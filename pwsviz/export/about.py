@@ -146,7 +146,8 @@ def _integration(scene: Scene, met: bool, slid: bool, told: Told) -> str:
     by += [f"by {listed(adaptive)} with tolerance {scene.tolerance:.3g}"] if adaptive else []
     what, slides = met_at_surfaces(scene.declaration), scene.slides and slid
     crossings = at_surface(what, scene.locate, slides, scene.perturbation_order, scene.perturbation_scale)
-    return f"integrated {' and '.join(by)} up to t {told(scene.t_end)}{f'; {crossings}' * met}"
+    end = told(scene.t_end).partition(" ")[2]
+    return f"integrated {' and '.join(by)} for t ≤ {end}{f'; {crossings}' * met}"
 
 
 def _adaptive(method: str) -> bool:

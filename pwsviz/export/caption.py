@@ -21,7 +21,7 @@ LONGEST = 400
 LONGEST_STARTS = 70
 """Characters of the starts in a short caption, about a line and a half; of longer ones the number is told."""
 
-OMITTED = "the equations are given in the text"
+OMITTED = "equations omitted for their length (see the exported TEX file)"
 """What a caption says in place of longer equations; those of the surfaces stay."""
 
 IF_KNOWN = " where one is known"
@@ -29,6 +29,9 @@ IF_KNOWN = " where one is known"
 
 METHOD = re.compile(rf"\b({'|'.join(core.METHODS)})\b")
 """The name of an integrator."""
+
+NAME = re.compile(rf"(?:{METHOD.pattern}|[^\W\d_][^\w’]|[τψ‖|])")
+"""How a sentence begins that begins with an integrator or a quantity."""
 
 ORDINARY = {"Classical", "Composition", "Explicit"}
 """Words at the beginning of the declaration of an integrator that are no names."""
@@ -81,9 +84,9 @@ def short_caption(
 
 
 def _sentences(clauses: Iterable[str]) -> str:
-    """Return clauses as sentences, each with its stop; the name of an integrator keeps its small letter."""
+    """Return clauses as sentences, each with its stop; the names of integrators and quantities keep small letters."""
     kept = (one.rstrip(".") for one in clauses if one)
-    return " ".join(f"{one if METHOD.match(one) else f'{one[0].upper()}{one[1:]}'}." for one in kept)
+    return " ".join(f"{one if NAME.match(one) else f'{one[0].upper()}{one[1:]}'}." for one in kept)
 
 
 def _of_laws(system: core.PiecewiseSystem) -> Iterator[str]:

@@ -53,7 +53,7 @@ EXTERNAL_LINES = {
 }
 """Looks of external solvers: grey, with dashes and markers that none of our methods has."""
 
-WRONG = "wrong sequence of crossings"
+WRONG = "incorrect sequence of crossings"
 """Legend of runs that have not the crossings of the solution; they are drawn hollow."""
 
 

@@ -37,6 +37,15 @@ const changed = (scale, by, factor) => {
   const middle = (low + high) / 2 + by * (high - low), half = factor * (high - low) / 2
   return new Map([[range, { start: scale.invert(middle - half), end: scale.invert(middle + half) }]])
 }
+// What is seen now, for screen readers: once the ranges are known.
+const tell = () => requestAnimationFrame(() => {
+  const { below, left } = view.model, axes = [[below, frame.x_scale, "across"], [left, frame.y_scale, "up"]]
+  const seen = axes.map(([[axis], { source_range }, way]) => {
+    const name = typeof axis?.axis_label == "string" && !axis.axis_label.includes("$") ? axis.axis_label : way
+    return `${name} from ${source_range.start.toPrecision(3)} to ${source_range.end.toPrecision(3)}`
+  })
+  document.dispatchEvent(new CustomEvent("seen", { detail: `In sight: ${seen.join(", ")}.` }))
+})
 el.addEventListener("keydown", event => {
   if (event.ctrlKey || event.altKey || event.metaKey) { return }
   const { key } = event
@@ -49,6 +58,7 @@ el.addEventListener("keydown", event => {
     view.trigger_ranges_update_event()
   } else { return }
   event.preventDefault()
+  tell()
 })
 """
 """JavaScript run when a figure is laid out, and its elements exist."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Sequence
 
+import numpy as np
+
 import core
 from pwsviz.figures.marks import ENDS, left_out
 from pwsviz.geometry.projection import (
@@ -19,10 +21,12 @@ from pwsviz.geometry.projection import (
     surface_texts,
     surfaces_shown,
 )
+from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 from pwsviz.scene.equations import equations, indexed
 from pwsviz.scene.names import met_at_surfaces, readable
 from pwsviz.text.math_names import variable_name
+from pwsviz.text.numbers import printed
 from pwsviz.text.words import as_text, listed
 
 __all__ = ["SUMMARY", "figures_of", "law_markup", "parted_words", "portrait_note", "portrait_text"]
@@ -34,6 +38,9 @@ SUMMARY = "Phase portrait"
 
 LONGEST = 240
 """Characters of equations below the portrait, about three lines; longer ones are in the view Scheme only."""
+
+FEW_PLACES = 4
+"""Most places at a surface that are told of a curve."""
 
 UNBROKEN = 40
 """Most characters of an equation that stands on one line, also on a phone."""
@@ -48,7 +55,26 @@ def portrait_text(
     count = len(starts)
     which = "one trajectory, which starts" if count == 1 else f"{count} trajectories; number {selected + 1} starts"
     met = "; ".join(f"{one.method}: {one.course}" for one in pictures.summaries)
-    return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {met}."
+    shape = "".join(f" {_shape(orbit, across, up)}" for orbit in pictures.orbits[:1])
+    return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {met}.{shape}"
+
+
+def _shape(orbit: Orbit, across: str, up: str) -> str:
+    """Return how far a curve reaches, and where it first meets a surface, in a sentence."""
+    if not np.isfinite(orbit.path).any():
+        return ""
+    (x_low, y_low), (x_high, y_high) = np.nanmin(orbit.path, axis=0), np.nanmax(orbit.path, axis=0)
+    reach = f"{across} from {x_low:.3g} to {x_high:.3g}, {up} from {y_low:.3g} to {y_high:.3g}"
+    places = [f"({a:.3g}, {b:.3g})" for a, b in (orbit.crossings[:FEW_PLACES] + 0.0).tolist()]
+    first = "first " * (len(orbit.crossings) > FEW_PLACES)
+    met = f" It {first}meets a surface at {listed(places)}." * bool(places)
+    return printed(f"The curve of {orbit.method} goes through {reach}.{met}")
+
+
+def which_start(pictures: Pictures) -> str:
+    """Return of which start runs are told, where there are several."""
+    count, index = pictures.inputs.start_count, pictures.inputs.index
+    return f"Start {index + 1} of {count}." if count > 1 else ""
 
 
 def figures_of(pictures: Pictures, warnings: Sequence[str] = ()) -> str:
@@ -167,7 +193,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = Fals
         sentences.append(_projection(system, axes))
         sentences += ["“Portrait in the plane of” selects the plane."] * (not caption)
     elif not system.laws.sides.shape[1]:
-        sentences.append("Regions overlap, as a state may lie in more than one: their fields are not drawn.")
+        sentences.append("The regions overlap; their fields are therefore not drawn.")
     elif not is_divided(system):
         sentences.append("The surfaces move, and the regions between them: their fields and level sets are not drawn.")
     if moves(system) and shows_surface(system, axes):
@@ -195,8 +221,8 @@ def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
     )
     if alike:
         marks = f"marks of {met_at_surfaces(system)} refer to {plane}"
-        thinner = ", each thinner than the one before," * (len(alike) > 1)
-        words += f" Thin lines show {'; '.join(alike)}{thinner} and discs where they start; {marks}."
+        thin = "Thin lines" if len(alike) == 1 else "Lines, each thinner than the one before,"
+        words += f" {thin} show {listed([f'({one})' for one in alike])}; discs mark where they start; {marks}."
     return words
 
 

@@ -27,7 +27,7 @@ class Outcome(NamedTuple):
 
 OUTCOMES: Mapping[int, Outcome] = {
     Status.COMPLETED: Outcome("correct sequence of crossings", CALM),  # and an end like that of the solution
-    WRONG_CROSSINGS: Outcome("wrong sequence of crossings", "#c47a14"),
+    WRONG_CROSSINGS: Outcome("incorrect sequence of crossings", "#c47a14"),
     WENT_ON: Outcome("continues where the solution stops", OCHRE),
     Status.ESCAPED: Outcome("the numerical solution blows up", VERMILION),
     Status.UNSTABLE: Outcome("the scheme diverges from the solution", "#7f1d1d"),

@@ -86,7 +86,9 @@ def _grid(study: core.StabilityStudy, lines_too: bool) -> str:
     name = f"{varied} at the start {up}"
     drawn = lines_too and draws_lines(study)
     until = _until(study, study.largest_tau) if study.largest_tau is not None else ""
-    lines = f"The lines “largest successful τ” hold for the chosen start only, {until}. " * drawn
+    lines = (
+        f"The lines “largest successful τ” hold for the chosen start alone, {until}, not for cells of others. " * drawn
+    )
     return f"{len(taus)} × {len(values)} values: {across}, {name}. {lines}"
 
 

@@ -109,9 +109,9 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool, met: str = "
     if states:
         first, *later = (f"{t:.4g}" for t in study.times)
         words = (
-            "‖x − x*‖₂ is the Euclidean norm of the difference of all variables x from those of the reference, x*, "
-            f"at t = {first}, halfway to the "
-            f"first crossing (“before”), and at t = {listed(later)}, halfway from {counted} to the next (“after”)"
+            "‖x − x*‖₂ is the Euclidean norm of the error of the state (x: all variables of the run, x*: of the "
+            f"reference) at t = {first}, halfway to the first crossing (“before”), and at "
+            f"t = {listed(later)}, halfway from {counted} to the next (“after”)"
         )
     else:
         words = (
@@ -139,6 +139,9 @@ def fit_rule(shown: Sequence[Studied]) -> str:
         (why,) = without
         none = f"No slope is fitted, as {why}" + f" {between}" * (why == _TOO_FEW)
         return ". ".join([none, *_not_drawn(drawn)])
+    if len(drawn) == sum(map(len, without.values())):
+        each = [f"No slope is fitted {listed(names)}, as {why}" for why, names in without.items()]
+        return ". ".join([*each, *_not_drawn(drawn)])
     fitted = [f"Slopes are least-squares fits to errors {between}{_reach(shown)}"]
     fitted += [_IRREGULAR] * any("±" in row.slope_text for _, row in drawn)
     reasons = [(names, why + " between these limits" * (why == _TOO_FEW)) for why, names in without.items()]
@@ -150,7 +153,7 @@ def _not_drawn(drawn: Sequence[tuple[str, Row]]) -> Iterator[str]:
     """Yield why points or curves are missing, if some are."""
     exact = [name for name, row in drawn if all(error == 0 for error in row.error)]
     if exact:
-        yield f"The error {listed(exact)} is 0, and not drawn"
+        yield f"The errors {listed(exact)} are 0 and are not drawn"
     if any(error == 0 for name, row in drawn if name not in exact for error in row.error):
         yield "Errors that are 0 have no point"
     if any(not math.isfinite(error) for _, row in drawn for error in row.error):
@@ -168,7 +171,7 @@ def _reach(shown: Sequence[Studied]) -> str:
     """Say up to which step size errors are fitted, unless all between the limits are."""
     ends = [(row.window[1], _greatest(one.taus, row)) for one in shown for row in one.rows if math.isfinite(row.slope)]
     cut = [reached < greatest for reached, greatest in ends]
-    where = "" if all(cut) else ", if it does"
+    where = "" if all(cut) else ", where it does"
     return f", up to the step size at which the local slope changes{where}" * any(cut)
 
 
@@ -196,8 +199,8 @@ def _bounds(shown: Sequence[Studied]) -> str:
         return f"below {below} ({upper})"
     if found[0].fit_above == found[1].fit_above:
         return f"between {rounded(found[0].fit_above)} ({lower}) and {below} ({upper})"
-    least, greatest = (f"{rounded(row.fit_above)} {_where(row)}" for row in found)
-    return f"between {lower} ({least} to {greatest}) and {below} ({upper})"
+    least, greatest = sorted(row.fit_above for row in found)
+    return f"between {lower} ({rounded(least)} to {rounded(greatest)}) and {below} ({upper})"
 
 
 def _where(row: Row) -> str:

@@ -29,6 +29,7 @@ from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.history import History
 from pwsviz.scene.permalink import adopt, query
+from pwsviz.scene.presets import Preset
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import LongTab, Tab, make_tab
@@ -105,8 +106,16 @@ class Explorer(pn.viewable.Viewer):
         for tab in self.views.values():
             if isinstance(tab, LongTab):
                 tab.on_cancel, tab.on_again = self._cancel, partial(self.scheduler.call_soon, self._again)
+        player = self.portrait_panel.player
+        self.scene.param.watch(lambda *_: player.param.update(open=False), ["system", "own"])
+        player.param.watch(lambda event: self.lecture.param.update(plays=event.new), "open")
+        self.lecture.param.watch(lambda event: player.param.update(open=event.new), "plays")
         self.scene.param.watch(self._follow, [name for name in self.scene.param if name != "name"])
         self.portrait_panel.refresh()
+
+    def _take_preset(self, preset: Preset) -> None:
+        self.portrait_panel.player.open = False
+        self.headline.show(preset)
 
     def _make_tabs(self) -> Any:
         tabs = pmui.Tabs(
@@ -120,7 +129,11 @@ class Explorer(pn.viewable.Viewer):
     @cached_property
     def sidebar(self) -> Sidebar:
         """The controls."""
-        return Sidebar(self.scene, self.edit, self._call_with_pictures, self.headline.show)
+        sidebar = Sidebar(self.scene, self.edit, self._call_with_pictures, self._take_preset)
+        sidebar.presets.jscallback(
+            value=f"if (cb_obj.value != '' && innerWidth < {NARROW}) {THE_PAGE}.sidebar_open = false"
+        )
+        return sidebar
 
     @cached_property
     def editing(self) -> Any:

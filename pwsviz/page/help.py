@@ -73,10 +73,10 @@ _KEYS = {
     "Ctrl+Z, Ctrl+Y": "undo, redo",
     "Tab, arrow keys, Enter": "go through the controls, choose, press",
     "Arrow keys, + and −, 0": "pan, zoom and refit the figure that has keyboard focus",
-    "Space": "play or pause the animation, while it is open",
+    "Space": "play or pause the animation while it is open; in the lecture mode, also open it",
     "L": "lecture mode: full screen and large type, on and off, as the button above; Esc leaves it",
     "Ctrl+wheel": "zoom a figure around the pointer; the wheel alone scrolls the page",
-    "Delete": "remove the selected start, with the pointer over the portrait",
+    "Delete": "remove the selected start, with the pointer over the portrait; a button beside its number does so, too",
     "Esc": "close a window such as this",
     "One finger, two fingers": "scroll the page; move and zoom the figure under them",
 }

@@ -16,6 +16,7 @@ from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
 from pwsviz.results.animation import MET, Frames
 from pwsviz.text.numbers import PRINTED
 from pwsviz.text.words import listed
+from pwsviz.widgets.focus import SPACE
 
 SPEEDS = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "2×": 2.0, "4×": 4.0}
 """Offered speeds, by label."""
@@ -38,6 +39,7 @@ FAINT = 0.3
 
 _ESM = (
     PRINTED
+    + SPACE
     + f"const MET = {json.dumps(MET)}  // what is counted, one of it and several\n"
     + """
 export function render({ model, data, el }) {
@@ -137,11 +139,9 @@ export function render({ model, data, el }) {
 
   play.addEventListener("click", toggle)
   scrub.addEventListener("input", () => { pause(); time = Math.min(end, scrub.valueAsNumber); show() })
-  const TAKES_SPACE = "input, textarea, select, button, summary, a, [role], [contenteditable]"
   const space = event => {  // anywhere on the page but where space means something else
     if (event.key != " " || event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented) { return }
-    const path = event.composedPath().filter(node => node instanceof Element)
-    if (path.slice(0, 3).some(node => node.matches(TAKES_SPACE) && node.getAttribute("role") != "img")) { return }
+    if (!is_free(event)) { return }
     event.preventDefault()
     toggle()
   }

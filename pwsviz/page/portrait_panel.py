@@ -9,7 +9,7 @@ from typing import Any
 import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.portrait_text import figures_of, law_markup, parted_words, portrait_note
+from pwsviz.figures.portrait_text import figures_of, law_markup, parted_words, portrait_note, which_start
 from pwsviz.figures.summaries import run_lines, run_words
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.projection import PLANE, Axes
@@ -194,7 +194,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self._cover()
         self._submit_frames()
         self._on_show()
-        self._on_end(run_words(outcome.summaries))
+        self._on_end(f"{which_start(outcome)} {run_words(outcome.summaries)}".strip())
         runs = (*outcome.inputs.selected, *outcome.inputs.others)
         self.scheduler.submit(
             "warnings",

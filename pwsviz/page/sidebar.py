@@ -91,6 +91,7 @@ class Sidebar(pn.viewable.Viewer):
         scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
         scene.param.watch(self._choose, ["system", "own", "axes"])
         scene.param.watch(self._enable, ["system", "own", "methods", "locate", "slide", "perturbation_order"])
+        scene.param.watch(self._leave_example, [name for name in scene.param if name not in ("name", "window")])
         self._sync()
         self._choose()
         self._enable()
@@ -104,6 +105,7 @@ class Sidebar(pn.viewable.Viewer):
             css_classes=[CHOOSER],
         )
         self.presets.param.watch(self._load, "value")
+        self._loading = False
         self.preset_note = text_pane(FIRST, "about")
 
     def _make_system(self, on_edit: Callable[[], None]) -> None:
@@ -259,11 +261,17 @@ class Sidebar(pn.viewable.Viewer):
         """Load a preset, and say what to look at and what to try."""
         if event.new:
             preset = PRESETS[event.new]
+            self._loading = True  # its name stays until the scene is another one
             self.scene.load(preset.settings)
+            self._loading = False
             title = f"<p><b>{escape(preset.title)}</b></p>"
             self.preset_note.object = title + as_text(preset.look, "about") + as_text(preset.try_, "about")
             self._preset = self.scene.declaration
             self._on_preset(preset)
+
+    def _leave_example(self, *_: Any) -> None:
+        """Name no example once its scene is changed: it can be chosen anew."""
+        if not self._loading:
             self.presets.value = ""
 
     def _take_at_surface(self, event: Any) -> None:
@@ -293,7 +301,9 @@ class Sidebar(pn.viewable.Viewer):
 
 
 def _titles() -> dict[str, str]:
-    return {preset.title: key for key, preset in PRESETS.items()}
+    """Return the examples beyond the paper, and then its figures, for whoever looks for these."""
+    listed = sorted(PRESETS.items(), key=lambda item: bool(item[1].figure))
+    return {preset.title: key for key, preset in listed}
 
 
 def _plane_name(system: core.PiecewiseSystem, axes: Axes) -> str:

@@ -82,7 +82,9 @@ class CostTab(LongTab):
         by = f"integrated by {listed([curve.title for curve in outcome.curves])} {compared_with(outcome)}"
         peers = [curve.title for curve in outcome.curves if curve.peer]
         verbs = ("locates", "restarts") if len(peers) == 1 else ("locate", "restart")
-        crossings += f"; {listed(peers)} {verbs[0]} them as events and {verbs[1]} there" * bool(peers and crossings)
+        crossings += f"; {listed(peers)} {verbs[0]} crossings as events and {verbs[1]} at each" * bool(
+            peers and crossings
+        )
         runs = "; ".join(filter(None, [by, f"{settings_text(outcome)}{missing_text(outcome)}", crossings]))
         return f"{runs}. {timed_how(outcome)}"
 
@@ -94,7 +96,7 @@ class CostTab(LongTab):
         """Return what the errors, the line and open symbols are, for captions."""
         wrong = any((~curve.correct_sequence & np.isfinite(curve.seconds)).any() for curve in outcome.curves)
         hollow = " Open symbols: the run has a different sequence of crossings from the reference." * wrong
-        level = " Below the line “round-off”, errors may be the round-off of one state or those of the reference."
+        level = " Errors below the round-off line may be the rounding of one state, or the error of the reference."
         return f"{MEANING[self.scene.cost_up]}{level * shows_round_off(outcome, self.scene.cost_up)}{hollow}"
 
     def table(self) -> Table | None:

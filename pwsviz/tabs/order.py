@@ -135,7 +135,7 @@ class OrderTab(LongTab):
         crossings = at_surface(
             met, scene.locate, scene.slides and self.slid, scene.perturbation_order, scene.perturbation_scale
         )
-        taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
+        taus = f"{len(first.taus)} step sizes from {first.taus.min():.3g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
         at = "before the first crossing and after" if self._rows is state_rows else "at"
         taus += f", compared {at} {numbered_crossings(first.crossings)}"

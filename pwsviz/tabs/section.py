@@ -223,8 +223,9 @@ class SectionTab(LongTab):
 
     def pictures(self) -> list[figure]:
         """Return the figure, painted finely enough for print."""
-        if self.view is not None:
-            self.view.cloud.sharpen()
+        if self.view is None or self.outcome is None or not any(self.outcome.counts):
+            return []
+        self.view.cloud.sharpen()
         return super().pictures()
 
     def program(self) -> str:

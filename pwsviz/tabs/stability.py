@@ -32,14 +32,15 @@ HEADINGS = {
 """What a caption says of each part, to be followed by “of the system”."""
 
 MEANINGS = {
-    "map": "A step size is successful if the run has the crossings of the reference{} ends as it does{}.",
+    "map": "A step size is successful if the run has the crossings of the reference{} ends as it does{}; the largest "
+    "successful τ is one up to which all those tried are.",
     "drift": "|Δψ| is the change of ψ since the start; drawn is the largest in each part of the time.",
     "grazing": "|Δψ| is the change of ψ since the start.",
 }
 """Of the lines in each part, for captions."""
 
 CONSERVES = " and, for a conservative integrator, |Δψ| is at most 10⁻¹⁰ of the size of the terms of ψ"
-"""What a successful run does besides, where ψ is known."""
+"""What a successful run of some integrators does besides, where ψ is known."""
 
 
 class StabilityTab(LongTab):
@@ -141,6 +142,7 @@ class StabilityTab(LongTab):
     def meaning(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are successful, for captions of the map, whose lines are named so, or what the error is."""
         part, known = self.scene.stability_part, self.scene.declaration.laws.most_conserved > 0
+        known = known and any(core.METHODS[name].conservative for name in outcome.methods)
         if part == "map" and not draws_lines(outcome):
             return ""
         return MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))

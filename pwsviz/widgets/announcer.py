@@ -1,4 +1,4 @@
-"""Words for screen readers alone: that a computation has ended, and how."""
+"""Words for screen readers alone: how a computation has ended, and what a figure moved by keys shows."""
 
 from __future__ import annotations
 
@@ -49,7 +49,16 @@ export function render({ model, el }) {
     model.on(source, take)
     take()
   }
-  model.on("remove", () => [timer, end].forEach(clearTimeout))
+  const look = event => {  // a figure has been moved by keys
+    news.set("figure", event.detail)
+    clearTimeout(timer)
+    timer = setTimeout(tell, RESTS)
+  }
+  document.addEventListener("seen", look)
+  model.on("remove", () => {
+    document.removeEventListener("seen", look)
+    ;[timer, end].forEach(clearTimeout)
+  })
 }
 """.replace("RESTS", str(RESTS)).replace("KEPT", str(KEPT))
     _stylesheets: ClassVar[list[str]] = [UNSEEN]

@@ -173,6 +173,7 @@ const describe_lists = () => {
     if (markup == "") { return }
     const words = new DOMParser().parseFromString(markup, "text/html").body.textContent
     this.input_el.setAttribute("aria-description", words.trim())
+    this.group_el?.setAttribute("data-about", words.trim())  // shown while the keyboard is at it
   }
 }
 describe_lists()

@@ -1,4 +1,4 @@
-"""Where the focus goes when the button that has it can no longer be pressed."""
+"""Where the focus goes when the button that has it can no longer be pressed, and what the space bar then means."""
 
 from __future__ import annotations
 
@@ -7,7 +7,15 @@ from typing import Any
 
 from pwsviz.widgets.browser import FIND
 
-__all__ = ["hand_on"]
+__all__ = ["SPACE", "hand_on"]
+
+SPACE = """
+const TAKES_SPACE = "input, textarea, select, button, summary, a, [role], [contenteditable]"
+// Whether the space bar, pressed where it was, means nothing else: a figure is an image.
+const is_free = event => !event.composedPath().filter(node => node instanceof Element).slice(0, 3)
+  .some(node => node.matches(TAKES_SPACE) && node.getAttribute("role") != "img")
+"""
+"""JavaScript that tells a space bar that is free to play from one that presses a button or writes."""
 
 _GIVE = """
 FIND

@@ -5,6 +5,8 @@ from __future__ import annotations
 import panel as pn
 import param
 
+from pwsviz.widgets.focus import SPACE
+
 KEY = "l"
 """Key that turns the lecture mode on and off, when no text is being typed."""
 
@@ -22,12 +24,14 @@ class Lecture(pn.custom.JSComponent):
     """Invisible: fills the screen and enlarges the type of page and figures, in the browser alone."""
 
     large = param.Boolean(default=False, doc="Whether it is on; set in the browser.")
+    plays = param.Boolean(default=False, doc="Whether the player is open, which takes the space bar; which opens it.")
     turned = param.Integer(default=0, doc="How often it was turned on or off other than by the key.")
 
     _esm = (
         """
 const SIZES = ["axis_label_text_font_size", "major_label_text_font_size", "label_text_font_size", "text_font_size",
                "line_width", "axis_line_width", "major_tick_line_width", "size"]
+SPACE
 export function render({ model }) {
   const usual = new Map()  // (figure part, property) -> its own size
   let timer = null
@@ -71,7 +75,12 @@ export function render({ model }) {
     || node.tagName == "INPUT" && !["range", "checkbox", "radio", "button"].includes(node.type)
   const press = event => {
     if (event.key == "Escape") return turn(false)  // a dialog keeps the key to itself
-    if (event.key.toLowerCase() != "KEY" || event.ctrlKey || event.altKey || event.metaKey) return
+    if (event.ctrlKey || event.altKey || event.metaKey) return
+    if (event.key == " " && model.large && !model.plays && is_free(event)) {
+      event.preventDefault()
+      model.plays = true
+    }
+    if (event.key.toLowerCase() != "KEY") return
     if (event.composedPath().some(typing)) return
     turn(!model.large)
   }
@@ -85,7 +94,8 @@ export function render({ model }) {
     document.removeEventListener("fullscreenchange", leave)
   })
 }
-""".replace("LARGER", str(LARGER))
+""".replace("SPACE", SPACE)
+        .replace("LARGER", str(LARGER))
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
         .replace("REST", REST)
         .replace("KEY", KEY)

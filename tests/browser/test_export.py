@@ -173,7 +173,7 @@ def test_a_short_caption_takes_at_most_five_lines_and_the_full_one_is_in_the_met
     assert words.startswith(
         "Phase portrait of the system “Elliptic curve”: a₋ = −3, a₊ = −2, r = 1. Initial state (x, y) = (−1, −1)."
     )
-    assert words.endswith("Integrated by dmm2 and rk2 with step size τ = 0.01 up to t = 20.")
+    assert words.endswith("Integrated by dmm2 and rk2 with step size τ = 0.01 for t ≤ 20.")
     assert len(lines) <= 5
     assert "y′ = 3x² + a₋" in re.search("<desc>(.*?)</desc>", svg)[1]
 

@@ -53,7 +53,7 @@ WENT_ON = 102
 NO_START = 103
 _OTHER_WORDS = {
     NOT_YET: "not computed yet",
-    WRONG_CROSSINGS: "wrong sequence of crossings",
+    WRONG_CROSSINGS: "incorrect sequence of crossings",
     WENT_ON: "continues where the solution stops",
     NO_START: "no start there",
 }

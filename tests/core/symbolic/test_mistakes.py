@@ -17,6 +17,7 @@ from core.symbolic import parse
         ("x + * y", "a number or a name is missing before *"),
         ("x -", "a number or a name is missing after -"),
         ("x = 3*y", "write what stands right of = alone"),
+        ("-x*|x|", "write the absolute value |x| as abs(x)"),
         ("x; y", "';' has no meaning here"),
         ("x ^^ y", "write powers as **"),
         ("x\n+ y", "write products with *, powers with **"),

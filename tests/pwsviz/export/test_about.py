@@ -55,7 +55,7 @@ def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
     assert equations(core.CATALOGUE["henon_heiles"])[0].startswith("x′ = u, ")
     told = caption(scene_of(core.CATALOGUE["three_bodies"]), "Order")
     surface = "S = {g = 0} with g = (x₁ − x₂)² + (y₁ − y₂)² − D². Parameters: D = 0.6, "
-    assert f"”. The equations are given in the text. {surface}" in told
+    assert f"”. Equations omitted for their length (see the exported TEX file). {surface}" in told
     assert ". For g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
     assert "”. The law is x′ = u, " in caption(scene_of(core.CATALOGUE["henon_heiles"]), "Order")
     assert "”. In region −−: x′ = " in caption(scene_of(core.CATALOGUE["chua"]), "Order")
@@ -146,7 +146,7 @@ def test_a_variable_has_one_name_in_all_of_a_caption():
 def test_a_caption_tells_integrators_as_they_are_declared_and_whose_the_tolerance_is():
     told = caption(Scene(methods=["taylor"]), "State")
     chosen = "taylor (Taylor series, order and step size chosen from a tolerance"
-    assert f"by {chosen}, projected onto the level set of ψ) with tolerance 10⁻¹² up to t = 20." in told
+    assert f"by {chosen}, projected onto the level set of ψ) with tolerance 10⁻¹² for t ≤ 20." in told
     assert caption(scene_of(core.CATALOGUE["chua"]), "State", how="runs of taylor").endswith(f"{chosen})."), "no ψ"
     told = caption(Scene(methods=["dmm4", "taylor"]), "State")
     composed = "dmm4 (composition of five steps of dmm2 (Suzuki), order 4)"

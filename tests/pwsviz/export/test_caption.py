@@ -24,7 +24,7 @@ def test_it_is_short_for_every_system_and_names_every_parameter(system):
     told = short_caption(scene_of(system), "Phase portrait")
     assert told.startswith(f"Phase portrait of the system “{system.name}”")
     assert len(told) < 250, "five lines of a column"
-    assert sum(told.count(f" {sign} ") for sign in "=≈") >= len(system.parameters) + 2
+    assert sum(told.count(f" {sign} ") for sign in "=≈≤") >= len(system.parameters) + 2
 
 
 def test_a_rounded_value_of_a_parameter_is_marked_as_such():

@@ -71,7 +71,7 @@ def test_the_header_says_what_was_computed_and_what_each_column_is():
     assert said["equations"].startswith("g < 0: x′ = 2y, y′ = 3x² + a₋, ψ₋ = ")
     assert "a₋ = −3, a₊ = −2" in said["parameters"]
     assert said["starts"] == "initial states 1 and 2: (x, y) = (−1, −1); (−1.2, 0)"
-    assert "dmm2 and rk2 with step size τ = 0.02 up to t = 20" in said["integration"]
+    assert "dmm2 and rk2 with step size τ = 0.02 for t ≤ 20" in said["integration"]
     assert said["variables"].startswith("x, y; a column of such a name")
     assert said["columns"].startswith("t: time, ")
     assert "in s" in said["columns"]

@@ -345,7 +345,7 @@ def test_the_text_gives_the_grid_and_for_which_start_the_lines_hold(study):
     told = stability_text(study, "map")
     assert told.startswith("6 × 5 values: τ from ")
     assert f", {study.coordinate_name} at the start from " in told
-    assert ". The lines “largest successful τ” hold for the chosen start only, to t = " in told
+    assert ". The lines “largest successful τ” hold for the chosen start alone, to t = " in told
 
 
 def test_an_integrator_that_works_with_every_step_size_is_said_to_do_so_up_to_the_last_one(study):

@@ -106,8 +106,8 @@ def test_a_system_of_several_surfaces_opens_in_the_plane_of_as_many_of_them_as_i
 
 
 def test_what_is_not_drawn_of_regions_without_a_place_of_their_own_is_named():
-    assert "Regions overlap" in portrait_note(RELAY, XY)
-    assert "Regions overlap" in portrait_note(core.CATALOGUE["thermostat"], XY)
+    assert "The regions overlap" in portrait_note(RELAY, XY)
+    assert "The regions overlap" in portrait_note(core.CATALOGUE["thermostat"], XY)
     assert "fields and level sets are not drawn" in portrait_note(GATE, XY)
     assert portrait_note(STRIPS, XY) == portrait_note(WEDGE, XY) == ""
 
@@ -140,8 +140,8 @@ def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
     assert planes_alike(bodies, (0, 2)) == [], "x1 and x2 span a plane of their own"
     assert axis_labels(bodies, (0, 1)) == ("x₁, x₂, x₃ (6 other variables not shown)", "y₁, y₂, y₃")
     assert (
-        "x₂, y₂; x₃, y₃, each thinner than the one before, and discs where they start; marks of jumps refer to x₁, y₁."
-        in portrait_note(bodies, (0, 1))
+        "Lines, each thinner than the one before, show (x₂, y₂) and (x₃, y₃); discs mark where they start; "
+        "marks of jumps refer to x₁, y₁." in portrait_note(bodies, (0, 1))
     )
     walled = core.PiecewiseSystem(
         name="Two beads, a wall for one", variables=("x1", "v1", "x2", "v2"), g="x1",

@@ -67,7 +67,7 @@ def test_successful_step_sizes_are_explained_where_they_are_drawn(explorer):
 def test_an_order_study_counts_jumps_and_tells_of_errors_that_are_zero(explorer):
     _, order = told_of(explorer, system="vibrating_table", view="order", methods=["dmm2"])
     assert "; jumps count as crossings." in order
-    assert "The error before the first crossing is 0, and not drawn." in order
+    assert "The errors before the first crossing are 0 and are not drawn." in order
 
 
 def test_captions_say_what_dots_on_curves_are_and_that_errors_of_0_are_missing(explorer):
@@ -87,4 +87,4 @@ def test_captions_say_what_dots_on_curves_are_and_that_errors_of_0_are_missing(e
 def test_the_line_of_round_off_is_told_of_where_it_is_drawn(explorer, system, drawn):
     _, told = told_of(explorer, system=system, methods=["rk2"])
     assert explorer.view.view.draws_round_off == drawn
-    assert ("line of round-off" in told) == drawn
+    assert ("round-off line" in told) == drawn

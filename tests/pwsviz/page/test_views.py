@@ -145,7 +145,7 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
         changes = np.count_nonzero(np.diff(curve.sliding[1:]))
         assert changes
         assert len(xs) == len(ys) == len(curve.t) - 1 + changes
-    assert "round-off is at 2⁻⁵¹ times the largest |ψ| + Σ" in explorer._pieces()[1].meaning
+    assert "round-off line is 2⁻⁵¹ times the largest |ψ| + Σ" in explorer._pieces()[1].meaning
     explorer.scene.load({"system": "stick_slip", "view": "conserved"})
     explorer.scene.view = "conserved"
     explorer.settle(20)
