@@ -3,18 +3,21 @@
 const LETTER = "A-Za-zΑ-Ωα-ωϑϕ", UPRIGHT = "ΔΣΠ", ACCENT = "\u0302\u0304\u0307"
 const OF_WORD = LETTER + "À-ÖØ-öø-ɏ"  // beside one of these a letter is part of a word: “Hénon”
 const INDEX = "₀-₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ⁰¹²³⁴-⁹⁺⁻′*,"  // beside a name
-const SMALLER = 0.72, RAISED = 0.38  // an exponent: its size, and how far it is raised, in heights of the text
+// An exponent and a comma between two indices: their size, and how far they are raised, in heights of the text.
+const SMALLER = 0.72, SHIFTS = { raised: 0.38, lowered: -0.12 }
 
 // A name is one letter, after Δ or ∂ too, but no part of a word, nor the article “a”, the “s” of “ψ’s” or the unit in “(s)”.
 const NAME = new RegExp(`(?<![${OF_WORD}’'])([${UPRIGHT}]?)((?![AIa] (?!(?:from|to|at|is|and|in|with) )[${LETTER}]{2}|(?<= \\()s\\))[${LETTER}][${ACCENT}]?)(?![${OF_WORD}])`, "g")
 const PRODUCT = new RegExp(`(?<=(?<![${LETTER}])[${LETTER}][${INDEX}]*)·(?=(?:[${LETTER}](?![${LETTER}])|\\())`, "g")
-const EXPONENT = /\^\(?([^\s()^]+)\)?/g
+const EXPONENT = /\^\(?([^\s()^]+)\)?/g, COMMA = /(?<=[₊₋]),(?=[₀-₉])/g
 
-// The parts of a text that differ in their looks: [its words, "" or "italic" or "raised"].
+// The parts of a text that differ in their looks: [its words, "" or "italic" or one of the `SHIFTS`].
 export const parts_of = words => {
   const marked = words.replace(PRODUCT, "\u0003").replace(EXPONENT, (_, power) => `\u0001${power}\u0002`)
-  return marked.split(/(\u0001[^\u0002]*\u0002)/).flatMap(piece => {
+    .replace(COMMA, "\u0004,\u0002")
+  return marked.split(/([\u0001\u0004][^\u0002]*\u0002)/).flatMap(piece => {
     if (piece.startsWith("\u0001")) return [[piece.slice(1, -1), "raised"]]
+    if (piece.startsWith("\u0004")) return [[piece.slice(1, -1), "lowered"]]
     const found = []
     let end = 0
     for (const match of piece.matchAll(NAME)) {
@@ -32,15 +35,15 @@ export const typeset = (element, size) => {
   const parts = parts_of(element.textContent)
   if (parts.length < 2 && parts.every(([_, look]) => look == "")) return
   element.textContent = ""
-  let lowered = 0  // by which what follows an exponent is lowered again
+  let back = 0  // by which what follows such a part is shifted back
   for (const [words, look] of parts) {
     const span = document.createElementNS("http://www.w3.org/2000/svg", "tspan")
     span.textContent = words
     if (look == "italic") span.setAttribute("font-style", "italic")
-    const shift = look == "raised" ? -RAISED * size : lowered
-    if (look == "raised") span.setAttribute("font-size", `${SMALLER * size}px`)
+    const raised = (SHIFTS[look] ?? 0) * size, shift = back - raised
+    if (raised != 0) span.setAttribute("font-size", `${SMALLER * size}px`)
     if (shift != 0) span.setAttribute("dy", shift)
-    lowered = look == "raised" ? RAISED * size : 0
+    back = raised
     element.append(span)
   }
 }

@@ -61,6 +61,9 @@ TICK = 8
 LINE = 0.045
 """Height of a line of text, relative to that of the frame on a phone."""
 
+NO_BOUND = 1e300
+"""Height above every curve."""
+
 NOWHERE = 1e-300
 """Height of a mark that is not to be seen: below the axis."""
 
@@ -79,6 +82,7 @@ class ConservedView:
             x_range=DataRange1d(range_padding=2 * BESIDE),
             y_range=DataRange1d(range_padding=0.06),
         )
+        self.figure.yaxis[0].bounds = (FLOOR, NO_BOUND)  # below, marks stand at times, and no numbers at heights
         self._band_glyphs()
         self._curve_glyphs()
         self._tick_glyphs()
@@ -210,14 +214,15 @@ class ConservedView:
         assign(self.round_off, t=first.t[drawn], y=np.clip(first.round_off, FLOOR, CEILING)[drawn])
 
     def _name_levels(self, first: ErrorCurve, line: float) -> None:
-        """Mark eps and the round-off of ψ at the end, unless names would overlap, or these are below all.
+        """Mark the round-off of ψ at the end, unless it is below all, and eps unless names would overlap.
 
         A line of text is as high as `line` powers of ten.
         """
         last, apart = float(first.round_off[-1]), max(TELLABLE, 10.0**line)
-        told = last > FLOOR and max(last / MACHINE_EPSILON, MACHINE_EPSILON / last) >= apart
-        named = apart <= MACHINE_EPSILON / FLOOR
-        self.levels.move(MACHINE_EPSILON if named else NOWHERE, FLOOR, last if told else NOWHERE)
+        told = last >= apart * FLOOR
+        beside = last if told else NOWHERE
+        named = min(MACHINE_EPSILON / FLOOR, max(beside / MACHINE_EPSILON, MACHINE_EPSILON / beside)) >= apart
+        self.levels.move(MACHINE_EPSILON if named else NOWHERE, FLOOR, beside)
         self.levels.spans[-1].visible = not round_off_grows(first)
 
 

@@ -83,7 +83,7 @@ class CostView:
         look: dict[str, Any] = {"color": "colour", "size": 8, "line_width": 1.6}
         points = plot.scatter("x", "y", source=self.points, marker="marker", **look)
         self.wrong = ColumnDataSource({name: [] for name in names})
-        hollow = plot.scatter("x", "y", source=self.wrong, marker="circle", **look, fill_alpha=0.0)
+        hollow = plot.scatter("x", "y", source=self.wrong, marker="marker", **look, fill_alpha=0.0)
         self.below = ColumnDataSource({name: [] for name in names})
         down = plot.scatter("x", "y", source=self.below, marker="inverted_triangle", **look)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])

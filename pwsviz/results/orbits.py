@@ -12,7 +12,7 @@ import core
 from core.diagnostics import starts_beyond_wall
 from pwsviz.geometry.clipping import clipped
 from pwsviz.geometry.polyline_reduction import Floats, distinct_pixels, screen_path
-from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
+from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels, surfaces_shown
 from pwsviz.geometry.window import Window
 from pwsviz.results.curves import FAR, curve, jump_lines, pixel_size
 from pwsviz.results.requests import RunInputs
@@ -33,6 +33,9 @@ APART = 40.0
 
 RETURNED = 3
 """Consecutive steps that end near earlier ends where a run has returned to its own path; fewer where it crosses it."""
+
+ON_SURFACE = 1e-9
+"""Height above a surface, relative to 1 and to the state, up to which a place lies on it."""
 
 MOST_PLACES = 1000
 """Most places of crossings of one run that are marked: more take a browser too long to paint."""
@@ -116,6 +119,7 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
     apart = distinct_pixels(at[marks])
     marks = marks[apart[:MOST_PLACES]]
     jumped = marks[crossings.kind[marks] == "jump"]
+    jumped = jumped[~_along_surface(run, crossings[jumped], axes)]
     pixel, within = pixel_size(points, near), None
     if near is not None:
         points, kinks, within = clipped(points, kinks, near)
@@ -139,6 +143,17 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
         beyond=starts_beyond_wall(run),
         focus=path if view is None else _part(path, view),
     )
+
+
+def _along_surface(run: core.Trajectory, jumps: core.Crossings, axes: Axes) -> NDArray[np.bool_]:
+    """Return (k,) which jumps lead along a surface that is drawn, which would hide a line from end to end."""
+    along = np.zeros(len(jumps), dtype=bool)
+    for mode in np.unique(jumps.mode).tolist():
+        rows = (jumps.mode == mode) & np.isin(jumps.surface_met, surfaces_shown(run.system, axes))
+        middle = 0.5 * (jumps.x[rows] + jumps.x_after[rows])
+        heights = np.abs(run.system.heights(mode, jumps.t[rows], middle)).min(axis=-1)
+        along[rows] = heights <= ON_SURFACE * (1.0 + np.abs(middle).max(axis=-1))
+    return along
 
 
 def drawn_within(first: Orbit) -> Window:

@@ -102,12 +102,15 @@ def test_without_landmarks_ticks_are_there_but_know_no_place():
     assert set(view.instants.data["kind"]) == {"crossing"}
 
 
-def test_round_off_is_marked_where_it_can_be_told_from_machine_epsilon():
+def test_round_off_is_marked_and_machine_epsilon_where_it_can_be_told_from_it():
     view, (curves, run) = ConservedView(), computed()
-    for level, marked in ((1e-12, 1e-12), (2 * MACHINE_EPSILON, NOWHERE), (FLOOR / 2, NOWHERE), (0.0, NOWHERE)):
+    near = 2 * MACHINE_EPSILON
+    for level, marked in ((1e-12, 1e-12), (near, near), (FLOOR / 2, NOWHERE), (0.0, NOWHERE)):
         size = np.full(len(curves[0].t), level / (2 * MACHINE_EPSILON))
         view.show([replace(curves[0], psi_size=size)], landmarks(run, (0, 1)))
-        assert view.levels.ticker.ticks == pytest.approx([MACHINE_EPSILON, FLOOR, marked])
+        assert view.levels.ticker.ticks == pytest.approx(
+            [NOWHERE if marked == near else MACHINE_EPSILON, FLOOR, marked]
+        )
         assert len(view.round_off.data["t"]) == 0
 
 
@@ -189,7 +192,7 @@ def test_round_off_adds_up_over_the_steps_that_there_are():
 def test_eps_is_not_named_where_its_name_would_overlap_that_of_the_lowest_level():
     view = ConservedView()
     for largest, named in ((1e-3, True), (1e8, False)):
-        view.show([curve([0.0, largest], "rk2")])
+        view.show([curve([0.0, largest], "rk2", size=1e5)])
         assert (view.levels.ticker.ticks[0] == MACHINE_EPSILON) == named
         assert view.levels.ticker.ticks[1] == FLOOR
 

@@ -35,7 +35,8 @@ def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbe
 
 
 @pytest.mark.parametrize(
-    ("system", "joined"), [("bouncing_ball", True), ("henon_heiles", False), ("elliptic_curve", False)]
+    ("system", "joined"),
+    [("vibrating_table", True), ("bouncing_ball", False), ("henon_heiles", False), ("elliptic_curve", False)],
 )
 def test_lines_of_jumps_are_told_of_where_jumps_move_what_is_drawn(explorer, system, joined):
     portrait, _ = told_of(explorer, system=system, view="state")
@@ -83,7 +84,7 @@ def test_captions_say_what_dots_on_curves_are_and_that_errors_of_0_are_missing(e
     assert ("Errors that are 0 have no point." in times) == bool((study.time_error == 0).any())
 
 
-@pytest.mark.parametrize(("system", "drawn"), [("elliptic_curve", True), ("diode_circuit", False)])
+@pytest.mark.parametrize(("system", "drawn"), [("elliptic_curve", True), ("relay_feedback", False)])
 def test_the_line_of_round_off_is_told_of_where_it_is_drawn(explorer, system, drawn):
     _, told = told_of(explorer, system=system, methods=["rk2"])
     assert explorer.view.view.draws_round_off == drawn
