@@ -115,6 +115,17 @@ def test_the_end_of_a_computation_is_told(visit):
     page.get_by_role("status").filter(has_text="rk2: t = 0.362").wait_for()
 
 
+def test_what_a_figure_shows_is_told_when_keys_move_it_and_which_start_runs_are_told_of(visit):
+    page = visit(query="v=2&t_end=2")
+    await_painted(page, "Phase portrait")
+    told = page.get_by_role("status")
+    page.get_by_role("img", name=re.compile("Phase portrait")).focus()
+    page.keyboard.press("ArrowRight")
+    told.filter(has_text=re.compile(r"In sight: x from -[\d.]+ to [\d.]+, y from -[\d.]+ to [\d.]+\.")).wait_for()
+    page.get_by_role("button", name="Add a trajectory").click()
+    told.filter(has_text="Start 2 of 2.").wait_for()
+
+
 def test_controls_are_told_where_the_system_chooses_the_colours(visit):
     page = visit(query="v=2&view=stability", forced_colors="active")
     await_painted(page, "Phase portrait")

@@ -14,7 +14,7 @@ ZOOM = """factor => {
 }"""
 """Shows the first part of the time in the conserved quantity."""
 
-NARROW, SOME = "sides not shaded", " (some overlap)"
+NARROW, SOME = "sides not shaded", " (some omitted)"
 
 
 def labels(page):

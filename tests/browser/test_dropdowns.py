@@ -66,6 +66,23 @@ def test_a_list_is_chosen_from_by_keyboard(visit):
     await_shown(page, "System", "Predator and prey")
 
 
+@pytest.mark.deep
+def test_arrow_keys_go_through_the_examples_one_by_one_and_the_name_stays_until_something_changes(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    await_built(page)
+    examples = page.get_by_role("combobox", name="Examples")
+    first, second = [one.text_content() for one in examples.locator("option").all()][1:3]
+    examples.focus()
+    for entry in (first, second):
+        page.keyboard.press("ArrowDown")
+        page.get_by_role("main").get_by_text(re.compile(r"\d steps")).first.wait_for()
+        page.wait_for_timeout(1500)
+        await_shown(page, "Examples", entry)
+    type_into(page, "End time", "2")
+    await_shown(page, "Examples", "choose …")
+
+
 FADED_AT = """async entry => {
     const deep = (node, found) => [...node.querySelectorAll("*")].flatMap(
         part => [...(found(part) ? [part] : []), ...(part.shadowRoot ? deep(part.shadowRoot, found) : [])])

@@ -78,7 +78,7 @@ SET = {
     "a run of rk2 from a start, at t = 2, a = 3": "a run of rk2 from a start, at [i:t] = 2, [i:a] = 3",
     "400 values of a from 1 to 2": "400 values of [i:a] from 1 to 2",
     "u′ = −μ₋·x/(x² + y²)^(3/2)": "[i:u]′ = −[i:μ]₋[i:x]/([i:x]² + [i:y]²)[r:3/2]",
-    "ψ₋,₁ = x·v − 2·10⁻³": "[i:ψ]₋,₁ = [i:x][i:v] − 2·10⁻³",
+    "ψ₋,₁ = x·v − 2·10⁻³": "[i:ψ]₋[l:,]₁ = [i:x][i:v] − 2·10⁻³",
     "run time (s), x (w not shown), sin(s)": "run time (s), [i:x] ([i:w] not shown), sin([i:s])",
     "“Hénon–Heiles”, Poincaré, Čech": "“Hénon–Heiles”, Poincaré, Čech",
     "|Δψ|, the size of ψ’s terms": "|Δ[i:ψ]|, the size of [i:ψ]’s terms",

@@ -34,6 +34,10 @@ def shown(visit):
     return open_scene
 
 
+SCROLLED = "[...document.querySelectorAll('*')].reduce((sum, one) => sum + one.scrollTop, 0)"
+"""Pixels by which parts of the page are scrolled."""
+
+
 def animate(page):
     """Open the player, and stop it at the beginning; return its slider."""
     page.get_by_role("button", name="Animate").click()
@@ -55,6 +59,26 @@ def test_a_moving_surface_moves_with_the_player(shown):
     assert painted(page, (2.4, 0.0), SURFACE) == 0
     page.get_by_role("button", name="Close the animation").click()
     assert becomes(page, lambda: painted(page, (2.4, 0.0), SURFACE) > 10)
+
+
+def test_the_animation_ends_where_another_example_or_system_is_chosen(shown):
+    page = shown()
+    for name, entry in (("Examples", "Dry friction sticks"), ("System", "Pendulum")):
+        animate(page)
+        page.get_by_role("combobox", name=name).select_option(entry)
+        page.get_by_role("button", name="Animate").wait_for()
+        page.get_by_role("slider", name="Time").wait_for(state="hidden")
+
+
+def test_in_a_lecture_the_space_bar_opens_the_animation_and_scrolls_nothing(shown):
+    page = shown()
+    page.keyboard.press("l")
+    page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
+    page.keyboard.press("Space")
+    page.get_by_role("button", name="Pause", exact=True).wait_for()
+    assert page.evaluate(SCROLLED) == 0
+    page.keyboard.press("Space")
+    page.get_by_role("button", name="Play", exact=True).wait_for()
 
 
 def test_time_that_runs_on_after_a_run_has_ended_is_not_counted_as_its_own(shown):

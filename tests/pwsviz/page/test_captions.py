@@ -86,6 +86,6 @@ def test_captions_say_what_dots_on_curves_are_and_that_errors_of_0_are_missing(e
 
 @pytest.mark.parametrize(("system", "drawn"), [("elliptic_curve", True), ("relay_feedback", False)])
 def test_the_line_of_round_off_is_told_of_where_it_is_drawn(explorer, system, drawn):
-    _, told = told_of(explorer, system=system, methods=["rk2"])
+    _, told = told_of(explorer, system=system, methods=["rk2"], view="conserved")
     assert explorer.view.view.draws_round_off == drawn
     assert ("round-off line" in told) == drawn
