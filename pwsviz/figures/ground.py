@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.moving import AWAIT, REPAINT, TELL_PLACE
 from pwsviz.figures.style import assign, ranges, tips, unseen
+from pwsviz.geometry.hiding import are_hidden
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, surface_name
@@ -192,7 +194,9 @@ class Ground:
         """Let the browser place the labels anew: there are other marks."""
         self._marked.data = {"count": [self._marked.data["count"][0] + 1]}
 
-    def show(self, backdrop: Backdrop, names: tuple[str, str], seen: Window) -> None:
+    def show(
+        self, backdrop: Backdrop, names: tuple[str, str], seen: Window, curves: Sequence[Floats] = ()
+    ) -> None:  # fmt: skip
         """Draw a backdrop.
 
         Parameters
@@ -203,6 +207,8 @@ class Ground:
             Of the two variables that span the plane.
         seen : Window
             The part of the plane that is seen.
+        curves : sequence of (n, 2) arrays
+            The trajectories: level sets below them have no key.
         """
         self._show_entries(backdrop, seen)
         if backdrop is self._shown:
@@ -228,7 +234,8 @@ class Ground:
         parts = (backdrop.arrows, backdrop.levels, backdrop.orbit_levels, *sliding)
         for k, (entry, part) in enumerate(zip(self._line_entries, parts, strict=True)):
             there = [side for side, lines in part.items() if np.isfinite(lines).any()]
-            entry.visible = bool(there)
+            hidden = k == 2 and not backdrop.formulas["moving"] and are_hidden(part.values(), curves, seen)
+            entry.visible = bool(there) and not hidden
             if there and k in self._level_keys:
                 _colour(self._level_keys[k], there, DOTS if k == 2 else ())
         text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels, "window": backdrop.window})

@@ -429,4 +429,5 @@ class PortraitView:
 
     def show_backdrop(self, backdrop: Backdrop) -> None:
         """Draw the backdrop of the orbits."""
-        self.ground.show(backdrop, self._names, self._visible or self.frame or backdrop.window)
+        curves = [] if self._pictures is None else [orbit.path for orbit in self._pictures.orbits]
+        self.ground.show(backdrop, self._names, self._visible or self.frame or backdrop.window, curves)

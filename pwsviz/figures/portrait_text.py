@@ -71,6 +71,17 @@ def _shape(orbit: Orbit, across: str, up: str) -> str:
     return printed(f"The curve of {orbit.method} goes through {reach}.{met}")
 
 
+def marks_text(pictures: Pictures) -> str:
+    """Return whose marks at surfaces are drawn, and where those of jumps stand, for captions; empty if none is."""
+    drawn = [*pictures.orbits, *pictures.others]
+    if not any(orbit.kinds for orbit in drawn):
+        return ""
+    whose = "Marks at surfaces are those of all integrators" if len(pictures.orbits) > 1 else ""
+    jumps = any("jump" in orbit.kinds for orbit in drawn)
+    before = "those of jumps are at the states before them" if whose else "Marks of jumps are at the states before them"
+    return f"{'; '.join(filter(None, [whose, before * jumps]))}." if whose or jumps else ""
+
+
 def which_start(pictures: Pictures) -> str:
     """Return of which start runs are told, where there are several."""
     count, index = pictures.inputs.start_count, pictures.inputs.index

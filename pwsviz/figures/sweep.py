@@ -55,7 +55,7 @@ class SweepView:
         attach_touch(plot)
         self.early = ColumnDataSource(NO_STRIP)
         strips = plot.add_glyph(
-            self.early, VStrip(x0="start", x1="end", fill_color="colour", fill_alpha=0.25, line_width=0)
+            self.early, VStrip(x0="start", x1="end", fill_color="colour", fill_alpha=0.15, line_width=0)
         )
         self.ends = ColumnDataSource({"x": [0.0, 1.0], "y": [0.0, 0.0]})
         self.cloud = PointCloud(plot, [GREY], on_window, self.ends)

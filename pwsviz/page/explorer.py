@@ -16,7 +16,7 @@ from pwsviz.editor.form import SystemEditor
 from pwsviz.export.endings import endings
 from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.linking import link_portrait
-from pwsviz.figures.portrait_text import portrait_note
+from pwsviz.figures.portrait_text import marks_text, portrait_note
 from pwsviz.page.cover import Cover
 from pwsviz.page.export_dialog import NOT_YET, ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
@@ -326,7 +326,7 @@ class Explorer(pn.viewable.Viewer):
             joined = "Dash-dotted lines join the states before and after jumps." * panel.portrait.joins_jumps
             note = portrait_note(self.scene.declaration, shown.axes, caption=True)
             dots = STEPS_MARKED * panel.portrait.marks_steps
-            means = " ".join(filter(None, [means, joined, dots, note]))
+            means = " ".join(filter(None, [means, marks_text(shown), joined, dots, note]))
             pieces = [Piece("Phase portrait", tables, drawn, meaning=means, **_course(runs))]
         if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
             return [*pieces, Piece(title, {}, [], lack=NOT_YET)]

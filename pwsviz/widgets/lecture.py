@@ -13,8 +13,9 @@ KEY = "l"
 LARGER = 1.5
 """Factor of the size of all type, and in figures of the lines and marks."""
 
-REST = "8.4rem"
-"""CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
+REST = "max(8.4rem, 28vh)"
+"""CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators; on
+a high one also for the laws of two variables, and for what is said of the view."""
 
 LOOK_AGAIN = 400
 """Milliseconds between looks for figures that have come since."""
