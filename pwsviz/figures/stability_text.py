@@ -63,7 +63,7 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     methods = listed(study.methods)
     if part == "map":
         start = printed(f"{variable_name(study.coordinate_name)} = {study.x0[study.coordinate]:.6g}")
-        lines = f", and the lines are for {start} at the start" * draws_lines(study)
+        lines = f", and the lines hold for {start} at the start alone" * draws_lines(study)
         return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}{lines}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps

@@ -74,7 +74,7 @@ SKIP = """
         background: #0b57a0; font: 16px Roboto, Helvetica, Arial, sans-serif; }
 #skip:not(:focus) { transform: translateY(-60px); }
 </style>
-<nav aria-label="Shortcut"><a id="skip" href="#portrait">Skip to the portrait</a></nav>
+<nav aria-label="Skip"><a id="skip" href="#portrait">Skip to the portrait</a></nav>
 <div id="portrait" tabindex="-1"></div>
 <script>{
   FIND

@@ -53,6 +53,7 @@ let looks = 0
 const name_menu = () => {
   const button = find(document, "button[aria-label$=drawer]")
   if (button == null) { if (looks++ < 300) { setTimeout(name_menu, 100) }; return }
+  find(document, "nav:not([aria-label])")?.setAttribute("aria-label", "Controls")
   const say = () => {
     const name = button.getAttribute("aria-label"), better = name.replace("drawer", "menu")
     if (better != name) { button.setAttribute("aria-label", better) }

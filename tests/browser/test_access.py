@@ -190,6 +190,7 @@ def test_figures_are_painted_in_the_colours_that_go_with_the_page(visit):
 
 def test_the_button_of_the_controls_and_its_tip_speak_of_a_menu(visit):
     page = visit()
+    page.get_by_role("navigation", name="Controls").wait_for()
     for name in ("Close menu", "Open menu"):
         button = page.get_by_label(name)
         button.hover()
