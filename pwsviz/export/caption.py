@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import core
-from pwsviz.export.about import about, brief, named
+from pwsviz.export.about import about, brief, named, release
 from pwsviz.scene.equations import Law, equations, equations_of, indexed
 from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.scene import Scene
@@ -21,7 +21,7 @@ LONGEST = 400
 LONGEST_STARTS = 70
 """Characters of the starts in a short caption, about a line and a half; of longer ones the number is told."""
 
-OMITTED = "equations omitted for their length (see the exported TEX file)"
+OMITTED = "equations omitted for their length"
 """What a caption says in place of longer equations; those of the surfaces stay."""
 
 IF_KNOWN = " where one is known"
@@ -93,14 +93,24 @@ def _of_laws(system: core.PiecewiseSystem) -> Iterator[str]:
     """Yield the equations as clauses: “for g < 0: x′ = 2y, conserving ψ₋ = …”, “S = {g = 0} with g = …”."""
     told = equations_of(system)
     short = len(equations(system)) <= LONGEST
-    yield from map(_law, told.laws) if short else [OMITTED]
+    known = f"; they are those of {release()}" * (system.name in {one.name for one in core.CATALOGUE.values()})
+    yield from map(_law, told.laws) if short else [f"{OMITTED}{known}"]
     if len(surfaces := ", ".join(told.surfaces)) <= LONGEST and surfaces:
         signs = f"; a region is named by the signs of {listed([one.partition(' ')[0] for one in told.surfaces])}"
         yield f"S = {{g = 0}} with {surfaces}" if system.two_sided else f"surfaces gₖ = 0 with {surfaces}{signs}"
     if short:
-        yield from told.resets
+        yield from _resets(told.resets)
         if told.transitions:
-            yield f"transitions: {'; '.join(told.transitions)}"
+            yield f"transitions: from {'; from '.join(told.transitions)}"
+
+
+def _resets(resets: Sequence[str]) -> Iterator[str]:
+    """Yield the reset maps, one that acts at several surfaces once: “reset map at g₁ = 0 and g₂ = 0: …”."""
+    places: dict[str, list[str]] = {}
+    for one in resets:
+        where, _, what = one.removeprefix("reset map at ").partition(": ")
+        places.setdefault(what, []).append(where)
+    yield from (f"reset map at {listed(where)}: {what}" for what, where in places.items())
 
 
 def _law(law: Law) -> str:

@@ -103,7 +103,7 @@ export const lettered_levels = ({ frame, model }, width) => {
 
 // Whether not all marks are drawn: the legend says so on the page, where each panel has one.
 export const thinned = ({ model }) => model.below.filter(one => kind_of(one) == "legend").flatMap(one => one.items)
-  .some(item => item.visible && item.get_labels_list_from_label_prop().some(label => label.endsWith(" (some omitted)")))
+  .some(item => item.visible && item.get_labels_list_from_label_prop().some(label => label.endsWith("omitted)")))
 
 // Names of levels beside a plot: in lines, and apart from one another.
 const named_levels = (axis, { scale }, width) => {

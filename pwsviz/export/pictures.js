@@ -15,7 +15,7 @@ const LEAST = 0.7, PART = 0.5  // of the picture's width, or of the greatest hei
 const EDGE = 0.6  // pixels of white on both sides of a dashed curve, at most
 const BARED = 0.5  // part of what a dashed curve leaves free of the solid one that is white at most: the rest keeps its colour
 
-const THINNED = "Overlapping marks are omitted."
+const THINNED = "Where marks would crowd, some are omitted."
 const FACES = { normal: "DejaVuSans-subset.ttf", italic: "DejaVuSans-Oblique-subset.ttf" }
 const SLANTED = `${FONT} Oblique`
 let loaded = null  // each face of the font in base 64, fetched once

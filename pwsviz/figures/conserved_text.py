@@ -73,13 +73,14 @@ def meaning(curves: Sequence[ErrorCurve], met: str, round_off: bool = True) -> s
     """
     name, words = axis_name(curves), []
     if CHANGE_OF_PSI in name:
-        own = f", without the changes that the system itself makes at {met}"
+        own = f", excluding the changes that the system itself makes at {met}"
         words.append(f"|Δψ| is the change of ψ since the start{own * any(len(one.crossings) for one in curves)}")
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         when = "so far" if round_off_grows(curves[0]) else "in the run"
         words += [
-            f"The round-off line is {LEVEL} times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}, xₖ being the variables"
+            f"The round-off line is {LEVEL} times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}, "
+            "summed over all variables"
         ] * round_off
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")

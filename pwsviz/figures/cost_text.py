@@ -28,8 +28,8 @@ UP: Mapping[str, str] = {
 """Titles of the axes."""
 
 MEANING: Mapping[str, str] = {
-    "state": "‖x − x*‖₂ is the Euclidean norm of the error of the state at the end (x: all variables of the run, x*: "
-    "of the reference).",
+    "state": "‖x − x*‖₂ is the Euclidean norm of the difference between the states of the run and of the reference at "
+    "the end, in all variables.",
     "time": "t* is the time of the last crossing by the reference, t̂ that by the run.",
     "invariant": "|Δψ| is the change of ψ since the start.",
 }
@@ -188,7 +188,7 @@ def timed_how(study: core.WorkPrecision) -> str:
     slow = [c.title for c in study.curves if c.peer and not EXTERNAL_SOLVERS[c.name].compiled]
     times = f"the shortest of {study.repeats} runs" if study.repeats > 1 else "one run"
     call = f"; {listed(slow)} evaluates the field in Python, whereas the others use compiled code" if slow else ""
-    return f"Run time is the processor time of one thread, without compilation: {times}, on {processor()}{call}"
+    return f"Run time is the processor time of one thread, excluding compilation ({times}), on {processor()}{call}"
 
 
 def _compiling(study: core.WorkPrecision) -> str:

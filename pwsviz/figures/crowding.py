@@ -36,6 +36,9 @@ WEIGHTS = [0.5, 1.0, 1.0, 1.0, 0.5]
 SOME = " (some omitted)"
 """What a legend adds to the name of marks of which some are left out, as they would cover others."""
 
+NONE = " (omitted)"
+"""What it adds if all of them are."""
+
 NARROW_SHADES = "brief stays not shaded"
 """What a legend says where some shades are left out."""
 
@@ -80,9 +83,12 @@ for (const k of order) {  // rare kinds first, so that none is lost among many o
 }
 kept.sort((a, b) => a - b)
 if (String(filter.indices) != String(kept)) { filter.setv({ indices: kept }, { sync: false }) }
-const label = keys.data.kind.map(kind => hidden.has(kind) ? kind + SOME : kind)
+const some = new Set(kept.map(k => kinds[k]))
+const label = keys.data.kind.map(kind => !hidden.has(kind) ? kind : kind + (some.has(kind) ? SOME : NONE))
 if (String(label) != String(keys.data.label)) { keys.setv({ data: { ...keys.data, label } }, { sync: false }) }
-""".replace("APART", str(APART)).replace("SOME", repr(SOME))
+""".replace("APART", str(APART))
+    .replace("SOME", repr(SOME))
+    .replace("NONE", repr(NONE))
 )
 """JavaScript that chooses the marks to paint: none nearer than a mark to one before it.
 
@@ -99,8 +105,9 @@ const bands = sources.flatMap(({ data }, shade) =>
   Array.from(data.start, (start, k) => [start, width(start, data.end[k]), shade, k]))
 bands.sort((a, b) => a[0] - b[0])
 const kept = sources.map(() => [])
+const first = bands.length > 6 ? 3 : 2  // the run cuts the first and the last one short: these are no measure
 bands.forEach(([_start, _width, shade, k], n) => {
-  const middle = Math.max(Math.min(n, bands.length - 3), 2)  // the run cuts the first and the last one short
+  const middle = Math.max(Math.min(n, bands.length - 1 - first), first)
   const near = WEIGHTS.map((weight, m) => [weight, bands[middle + m - 2]]).filter(([, band]) => band != null)
   const total = near.reduce((sum, [weight]) => sum + weight, 0)
   const mean = near.reduce((sum, [weight, [, width]]) => sum + weight * width, 0) / total

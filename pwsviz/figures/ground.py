@@ -53,9 +53,10 @@ READOUT_STYLES: dict[str, str | None] = {
 OWN_LEVEL, ATTRACTS, REPELS = "ψ = ψ(trajectory)", "S attracts", "S repels"
 
 MEANINGS = {
-    OWN_LEVEL: f"“{OWN_LEVEL}”: level sets of ψ on which arcs of {{trajectory}} begin, at most {PIECES_WITH_LEVELS}",
-    ATTRACTS: f"“{ATTRACTS}”: both fields point towards it",
-    REPELS: f"“{REPELS}”: both fields point away from it",
+    OWN_LEVEL: f"“{OWN_LEVEL}”: level sets of ψ through the beginnings of at most {PIECES_WITH_LEVELS} arcs of "
+    "{trajectory}",
+    ATTRACTS: f"“{ATTRACTS}”: both fields point towards S",
+    REPELS: f"“{REPELS}”: both fields point away from S",
 }
 """What entries of the legend mean, for captions."""
 

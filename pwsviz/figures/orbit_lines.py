@@ -28,7 +28,7 @@ TOUCH = 0.45
 """Width of the widest curve, relative to the distance between its turns, from which on all curves are thinner."""
 
 THINNEST = 0.7
-"""Width in pixels of a curve whose turns touch all the same."""
+"""Width in pixels of a curve whose turns touch all the same, and of any other at least."""
 
 
 def curve_columns(orbits: Sequence[Orbit], view: Window | None, shares: Sequence[float] = ()) -> dict[str, list[Any]]:
@@ -52,7 +52,9 @@ def thin_shares(pictures: Pictures) -> list[float]:
 def fitted_widths(orbits: Sequence[Orbit], view: Window | None, shares: Sequence[float] = ()) -> list[float]:
     """Return the width of each curve: its share of the usual one, or less where its turns would touch."""
     lines = together(line_of(orbit.method) for orbit in orbits)
-    usual = [share * line.width for share, line in zip(shares or [1.0] * len(orbits), lines, strict=True)]
+    usual = [
+        max(THINNEST, share * line.width) for share, line in zip(shares or [1.0] * len(orbits), lines, strict=True)
+    ]
     if view is None:
         return usual
     fits = [min(1.0, TOUCH * spacing(orbit.path, view) / WIDEST) for orbit in orbits]

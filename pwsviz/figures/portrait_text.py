@@ -209,7 +209,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = Fals
         sentences.append("The surfaces move, and the regions between them: their fields and level sets are not drawn.")
     if moves(system) and shows_surface(system, axes):
         animated = ", and while animated at the time shown" * (not caption)
-        sentences.append(f"The surface moves with time: it is drawn at t = 0{animated}.")
+        sentences.append(f"The surface moves with time: it is drawn, and the regions are, at t = 0{animated}.")
     elif forced(system) and system.dimension == PLANE:
         sentences.append("The field depends on time: it is drawn at t = 0.")
     if system.dimension == PLANE and psi_names_time(system):

@@ -32,6 +32,9 @@ def surface_words(inputs: SectionInputs) -> str:
     return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {way}"
 
 
+LATE = 0.9
+"""Part of the time of a run before which its last point is worth a word."""
+
 _AT_REST = "the motion has come to rest, and goes on by round-off only"
 """Of a start of which later points are left out."""
 
@@ -70,8 +73,12 @@ def _ended(outcome: SectionPoints, reason: str, which: list[int]) -> str:
     inputs, counts = outcome.inputs, [outcome.counts[k] for k in which]
     names, by = listed([str(k + 1) for k in which]), f" by t = {outcome.ends[which[0]]:.6g}" * (len(which) == 1)
     found = f"{', '.join(f'{count:,}' for count in counts)} point{'s' * (counts != [1])}{by}"
-    if len(which) == 1 and counts[0] and outcome.of_start(which[0]).t[-1] == outcome.ends[which[0]]:
-        found += ", the last where it ends, which counts neither as a jump nor as a crossing"
+    if len(which) == 1 and counts[0]:
+        last, end = outcome.of_start(which[0]).t[-1], outcome.ends[which[0]]
+        if last == end:
+            found += ", the last where it ends, which counts neither as a jump nor as a crossing"
+        elif last < LATE * end:
+            found += f", the last at t = {last:.6g}"
     if not any(counts):
         found = f"no point{by}"
         if not inputs.discard:

@@ -63,12 +63,18 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     methods = listed(study.methods)
     if part == "map":
         start = printed(f"{variable_name(study.coordinate_name)} = {study.x0[study.coordinate]:.6g}")
-        lines = f", and the lines hold for {start} at the start alone" * draws_lines(study)
-        return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}{lines}"
+        lines = f", and {_lines(study)} for {start} at the start alone" * draws_lines(study)
+        return f"each cell represents a run of {method} to t = {study.t_span[1]:.6g}{lines}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
         return f"integrated by {methods} with step size τ = {tau:.6g} to t = {steps * tau:,.6g}"
     return f"integrated by {methods}"
+
+
+def _lines(study: core.StabilityStudy) -> str:
+    """Return “the line holds”, or “the lines hold”, of largest step sizes."""
+    several = study.largest_tau is not None and np.count_nonzero(study.largest_tau.found) > 1
+    return "the lines hold" if several else "the line holds"
 
 
 def draws_lines(study: core.StabilityStudy) -> bool:
@@ -83,13 +89,11 @@ def _grid(study: core.StabilityStudy, lines_too: bool) -> str:
     taus, values = study.map.taus, study.map.values
     varied = variable_name(study.coordinate_name)
     across, up = f"τ from {taus[0]:.3g} to {taus[-1]:.3g}", f"from {values[0]:.4g} to {values[-1]:.4g}"
-    name = f"{varied} at the start {up}"
+    name = f"initial {varied} {up}"
     drawn = lines_too and draws_lines(study)
     until = _until(study, study.largest_tau) if study.largest_tau is not None else ""
-    lines = (
-        f"The lines “largest successful τ” hold for the chosen start alone, {until}, not for cells of others. " * drawn
-    )
-    return f"{len(taus)} × {len(values)} values: {across}, {name}. {lines}"
+    lines = f"“Largest successful τ” holds for the chosen start alone, {until}, not for cells of others. " * drawn
+    return f"{len(taus)} × {len(values)} values: {across} (evenly in its logarithm), {name}. {lines}"
 
 
 def _ends_early(study: core.StabilityStudy) -> str:

@@ -17,7 +17,7 @@ from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.numbers import printed
-from pwsviz.text.words import as_text, duration, listed, plural, rounded
+from pwsviz.text.words import as_text, duration, listed, plural, rounded, rounded_up
 
 
 def run_line(summary: Summary, line: Line) -> str:
@@ -45,8 +45,15 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
 
 def run_words(summaries: Sequence[Summary]) -> str:
     """Say in a sentence of each run how it went, such as “dmm2: 21 crossings, end time reached.”."""
-    said = (one.message or f"{', '.join(filter(None, (one.course, 'end time reached')))}." for one in summaries)
+    said = (
+        one.message or f"{', '.join(filter(None, (one.course, _drift(one), 'end time reached')))}." for one in summaries
+    )
     return printed(" ".join(f"{one.method}: {words}" for one, words in zip(summaries, said, strict=True)))
+
+
+def _drift(one: Summary) -> str:
+    """Return how far ψ has drifted, if that is known."""
+    return f"|Δψ| up to {rounded_up(one.worst_error)}" if math.isfinite(one.worst_error) else ""
 
 
 def _reason(first: Summary, *others: Summary) -> str:
@@ -109,8 +116,8 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool, met: str = "
     if states:
         first, *later = (f"{t:.4g}" for t in study.times)
         words = (
-            "‖x − x*‖₂ is the Euclidean norm of the error of the state (x: all variables of the run, x*: of the "
-            f"reference) at t = {first}, halfway to the first crossing (“before”), and at "
+            "‖x − x*‖₂ is the Euclidean norm of the difference between the states of the run and of the reference, "
+            f"in all variables, at t = {first}, halfway to the first crossing (“before”), and at "
             f"t = {listed(later)}, halfway from {counted} to the next (“after”)"
         )
     else:
@@ -172,7 +179,7 @@ def _reach(shown: Sequence[Studied]) -> str:
     ends = [(row.window[1], _greatest(one.taus, row)) for one in shown for row in one.rows if math.isfinite(row.slope)]
     cut = [reached < greatest for reached, greatest in ends]
     where = "" if all(cut) else ", where it does"
-    return f", up to the step size at which the local slope changes{where}" * any(cut)
+    return f", below the step size at which the local slope changes{where}" * any(cut)
 
 
 def _greatest(taus: Floats, row: Row) -> float:

@@ -175,13 +175,16 @@ def sweep_how(inputs: SweepInputs) -> str:
         "up": "each run begins where that of the next smaller value ends",
         "down": "each run begins where that of the next greater value ends",
     }[inputs.continuation]
-    left = f", after the first {inputs.discard:,} are discarded" if inputs.discard else ""
+    most = plural(inputs.points, "point")
+    shown = f"at most {most}"
+    if inputs.discard:
+        shown = f"the first {inputs.discard:,} points of each run are discarded, and at most the next {inputs.points:,}"
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
     return printed(
         f"shown is {coordinate_name(inputs)} at crossings of "
         f"{surface_words(inputs)}{reset_words(system, inputs.of)}{sliding}, for {inputs.values:,} values of {name} "
-        f"from {inputs.low:.15g} to {inputs.high:.15g}: at most {plural(inputs.points, 'point')} for each{left}, up to "
-        f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}; "
+        f"from {inputs.low:.15g} to {inputs.high:.15g}: {shown} "
+        f"with t ≤ {inputs.t_end:.6g} are shown; {begins}; integrated by {scheme.method} with {step}; "
         f"{crossings}"
     )
 

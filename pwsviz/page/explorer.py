@@ -35,6 +35,7 @@ from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import LongTab, Tab, make_tab
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
+from pwsviz.text.numbers import printed
 from pwsviz.text.words import STEPS_MARKED, as_text, failure
 from pwsviz.widgets.announcer import Announcer
 from pwsviz.widgets.browser import NARROW, REMEMBER_DARK, Browser
@@ -99,6 +100,7 @@ class Explorer(pn.viewable.Viewer):
         self._controls, self._views = (pn.Column(margin=0, sizing_mode="stretch_width") for _ in range(2))
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self.lecture = Lecture(sizing_mode="fixed", width=0, height=0, margin=0)
+        self._look = ""  # what an example shows, to be told with its results
         self._changes = 0
         self._changed_settings: set[str] = set()
         self._with_pictures: list[Callable[[], None]] = []
@@ -115,6 +117,7 @@ class Explorer(pn.viewable.Viewer):
 
     def _take_preset(self, preset: Preset) -> None:
         self.portrait_panel.player.open = False
+        self._look = preset.look
         self.headline.show(preset)
 
     def _make_tabs(self) -> Any:
@@ -238,13 +241,14 @@ class Explorer(pn.viewable.Viewer):
         if isinstance(outcome, Exception):
             self._tell(failure(outcome))
         elif isinstance(view, LongTab):
-            self._tell("finished.")
+            self._tell(printed(f"finished. {view.said.partition('. ')[0].rstrip('.')}."))
         self._refresh_export()
 
     def _end_portrait(self, words: str) -> None:
         """Tell the browser that what has been chosen is shown, and screen readers how the runs ended."""
         self.browser.choosing = False
-        self.announcer.tell_of_portrait(words)
+        self.announcer.tell_of_portrait(f"{self._look} {words}".strip())
+        self._look = ""
 
     def _tell(self, words: str) -> None:
         """Tell screen readers how the computation of the view has ended."""
@@ -306,10 +310,15 @@ class Explorer(pn.viewable.Viewer):
 
     def _write_address(self) -> None:
         """Update the address bar; a scene too large for a link empties it."""
+        self._name_page()
         try:
             self.browser.query = query(self.scene)
         except ValueError:  # the export dialog says why there is no link
             self.browser.query = ""
+
+    def _name_page(self) -> None:
+        """Name the page, as a list of windows shows it."""
+        self.browser.title = f"{self.scene.declaration.name}: {VIEWS[self.scene.view].title} – pwsviz"
 
     def _pieces(self) -> list[Piece]:
         """Return what can be exported: the run of the portrait, and the view beside it."""
@@ -365,11 +374,16 @@ class Explorer(pn.viewable.Viewer):
         if self.notice.object:  # the address still says what was refused
             self._write_address()
         self.scheduler.draw_first(FIRST)
+        self._name_page()
         page = make_frame("pwsviz", self._header(), [self._controls], [self], COVER)
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
         page.jscallback(dark_theme=REMEMBER_DARK)
-        keys = {"undo": self.history.undo, "redo": self.history.redo, "help": lambda: self.help.open()}
+        keys = {
+            "undo": self.history.undo,
+            "redo": self.history.redo,
+            "help": lambda: self.help.open(self.lecture.large),
+        }
         self.browser.on_msg(lambda event: keys[event.data]())
         self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large && innerWidth >= {NARROW}")
         page.main.extend([self.browser, self.lecture, self.announcer])
@@ -397,7 +411,7 @@ class Explorer(pn.viewable.Viewer):
         )
         export.on_click(lambda _: self.export.open(self._page_address()))
         ask = pmui.IconButton(icon="help_outline", description="Help (?)", size="small", margin=4)
-        ask.on_click(lambda _: self.help.open())
+        ask.on_click(lambda _: self.help.open(self.lecture.large))
         parts: list[Any] = [undo, redo, export, ask, self.headline.tagline]
         for part in parts:
             part.align = "center"

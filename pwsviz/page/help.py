@@ -74,7 +74,7 @@ _KEYS = {
     "Tab, arrow keys, Enter": "go through the controls, choose, press",
     "Arrow keys, + and −, 0": "pan, zoom and refit the figure that has keyboard focus",
     "Space": "play or pause the animation while it is open; in the lecture mode, also open it",
-    "L": "lecture mode: full screen and large type, on and off, as the button above; Esc leaves it",
+    "L": "lecture mode, as the button above: full screen and large type, fewer words; Esc leaves it",
     "Ctrl+wheel": "zoom a figure around the pointer; the wheel alone scrolls the page",
     "Delete": "remove the selected start, with the pointer over the portrait; a button beside its number does so, too",
     "Esc": "close a window such as this",
@@ -100,14 +100,15 @@ class Help(pn.viewable.Viewer):
     def __init__(self, turn: Callable[[], None]) -> None:
         super().__init__()
         self.text = markup_pane(_CSS)
-        lecture = pmui.Button(
+        self.lecture = lecture = pmui.Button(
             label="Lecture mode", icon="co_present", variant="text", size="small", margin=0, sx=PLAIN_SX
         )  # fmt: skip
         lecture.on_click(lambda _: self._give_a_lecture(turn))
         self.dialog = dialog("Help", lecture, self.text, width="sm")
 
-    def open(self) -> None:
-        """Open the dialog."""
+    def open(self, lecture: bool = False) -> None:
+        """Open the dialog, which offers to leave the lecture mode if it is on."""
+        self.lecture.label = "Leave the lecture mode" if lecture else "Lecture mode"
         self.text.object = self.text.object or _markup()
         self.dialog.open = True
 

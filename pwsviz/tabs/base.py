@@ -147,6 +147,9 @@ class Tab(pn.viewable.Viewer):
             self._content.objects = parts
             self.built = True
 
+    said = ""
+    """What was said last of a result, in sentences."""
+
     def begin(self) -> None:
         """Show that a computation is running; for tabs that take long."""
 
@@ -204,7 +207,8 @@ class Tab(pn.viewable.Viewer):
         """Draw a result, show it in figures and words below the plot, and give the words to screen readers."""
         self._drawn = self._system
         self._hide([])
-        words, details = self.draw(outcome), self.details(outcome)
+        self.said = words = self.draw(outcome)
+        details = self.details(outcome)
         tables = "".join(map(table_markup, self.numbers(outcome)))
         self._say(tables + as_text(words) + as_text(details, "about"))
         self._describe(f"{words} {details}".strip())

@@ -93,8 +93,9 @@ class ConservedTab(Tab):
     def heading(self, outcome: ErrorPicture) -> str:
         """Return whether the figure shows the error of ψ, or that of g while sliding."""
         known = outcome.system.laws.most_conserved
+        largest = "Largest error" if known > 1 else "Error"
         quantities = "quantities" if known > 1 else "quantity"
-        return f"Error |Δψ| of the conserved {quantities}" if known else "Error of g along the sliding motion"
+        return f"{largest} |Δψ| of the conserved {quantities}" if known else "Error of g along the sliding motion"
 
     def meaning(self, outcome: ErrorPicture) -> str:
         """Return what the axis and the lines show, for captions."""

@@ -96,7 +96,7 @@ class CostTab(LongTab):
         """Return what the errors, the line and open symbols are, for captions."""
         wrong = any((~curve.correct_sequence & np.isfinite(curve.seconds)).any() for curve in outcome.curves)
         hollow = " Open symbols: the run has a different sequence of crossings from the reference." * wrong
-        level = " Errors below the round-off line may be the rounding of one state, or the error of the reference."
+        level = " The round-off line is the larger of the rounding of one state and the error of the reference."
         return f"{MEANING[self.scene.cost_up]}{level * shows_round_off(outcome, self.scene.cost_up)}{hollow}"
 
     def table(self) -> Table | None:

@@ -214,7 +214,7 @@ class SectionTab(LongTab):
 
     def meaning(self, outcome: SectionPoints) -> str:
         """Return what the numbers in the figure are, for captions."""
-        one = "The number marks the first point."
+        one = "The encircled number marks the first point."
         return "" if self.scene.section_map else FIRST_POINTS if len(outcome.statuses) > 1 else one
 
     def how(self, outcome: SectionPoints) -> str:

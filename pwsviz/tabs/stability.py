@@ -32,14 +32,14 @@ HEADINGS = {
 """What a caption says of each part, to be followed by “of the system”."""
 
 MEANINGS = {
-    "map": "A step size is successful if the run has the crossings of the reference{} ends as it does{}; the largest "
-    "successful τ is one up to which all those tried are.",
+    "map": "A step size is successful if the run has the crossings of the reference{} ends as it does{}. The largest "
+    "successful τ is the largest below which all step sizes tried are successful.",
     "drift": "|Δψ| is the change of ψ since the start; drawn is the largest in each part of the time.",
     "grazing": "|Δψ| is the change of ψ since the start.",
 }
 """Of the lines in each part, for captions."""
 
-CONSERVES = " and, for a conservative integrator, |Δψ| is at most 10⁻¹⁰ of the size of the terms of ψ"
+CONSERVES = " and, for a conservative integrator, |Δψ| is at most 10⁻¹⁰ times the size of the terms of ψ"
 """What a successful run of some integrators does besides, where ψ is known."""
 
 

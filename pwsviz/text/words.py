@@ -47,7 +47,7 @@ STEPS_MARKED = "Dots are the ends of steps, between which the integrators interp
 
 def whose_marks(methods: Sequence[str], crossings: int) -> str:
     """Say of several integrators whose shades are shown, and whose crossings are marked if there are any."""
-    shown = "Marks and shading are those" if crossings else "Shading is that"
+    shown = "Marks at surfaces and shading are those" if crossings else "Shading is that"
     return f"{shown} of {methods[0]}." if len(methods) > 1 else ""
 
 

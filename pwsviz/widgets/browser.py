@@ -240,6 +240,9 @@ class Browser(pn.custom.JSComponent):
     narrow = param.Boolean(default=False)
     dark = param.Boolean(default=False)
     query = param.String(default="", doc="The query in the address bar.")
+    title = param.String(
+        default="", doc="Title of the page, and of its entry in the history; of none it keeps its own."
+    )
     choosing = param.Boolean(
         default=False, doc="Whether an entry has been chosen whose picture has not come; set in the browser."
     )
@@ -292,7 +295,10 @@ export function render({ model }) {
     address.search = model.query
     window.history.replaceState(window.history.state, "", address)
   }
+  const name = () => { if (model.title != "") { document.title = model.title } }
   model.on("query", write)
+  model.on("title", name)
+  name()
   if (model.query != "") write()  // the scene is not what the link asked for
 }
 """.replace("NARROW", str(NARROW))

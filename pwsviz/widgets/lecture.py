@@ -13,9 +13,8 @@ KEY = "l"
 LARGER = 1.5
 """Factor of the size of all type, and in figures of the lines and marks."""
 
-REST = "max(8.4rem, 28vh)"
-"""CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators; on
-a high one also for the laws of two variables, and for what is said of the view."""
+REST = "8.4rem"
+"""CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
 LOOK_AGAIN = 400
 """Milliseconds between looks for figures that have come since."""
@@ -34,7 +33,7 @@ const SIZES = ["axis_label_text_font_size", "major_label_text_font_size", "label
                "line_width", "axis_line_width", "major_tick_line_width", "size"]
 SPACE
 export function render({ model }) {
-  const usual = new Map()  // (figure part, property) -> its own size
+  const usual = new Map()  // figure part -> its own sizes, and those that it has been given
   let timer = null
   const { CustomJSTransform } = Bokeh.loader["models/transforms/customjs_transform"]
   const larger = new CustomJSTransform({ func: "return LARGER * x", v_func: "return xs.map(x => LARGER * x)" })
@@ -43,14 +42,22 @@ export function render({ model }) {
     if (typeof size == "string") return size.replace(/[0-9.]+/, number => number * LARGER)
     return typeof size.value == "string" ? { ...size, value: enlarged(size.value) } : { ...size, transform: larger }
   }
+  const same = (one, other) => one === other || one?.value === other?.value && one?.field === other?.field
+    && one?.transform === other?.transform && typeof one == "object" && typeof other == "object"
   const { Glyph } = Bokeh.loader["models/glyphs/glyph"]
   const enlarge = () => {
     for (const part of Bokeh.documents.flatMap(document => [...document._all_models.values()])) {
-      if (usual.has(part) || !(/Axis$|^Legend$|^Span$/.test(part.type) || part instanceof Glyph)) continue
+      if (!(/Axis$|^Legend$|^Span$/.test(part.type) || part instanceof Glyph)) continue
+      const { sizes, given } = usual.get(part) ?? { sizes: {}, given: {} }
       const names = SIZES.filter(name => name in part.attributes && part[name] != null)
-      const sizes = Object.fromEntries(names.map(name => [name, part[name]]))
-      usual.set(part, sizes)
-      part.setv(Object.fromEntries(names.map(name => [name, enlarged(sizes[name])])), { sync: false })
+      const reset = names.filter(name => !(name in given) || !same(part[name], given[name]))  // by another theme
+      if (reset.length == 0) continue
+      for (const name of reset) {
+        sizes[name] = part[name]
+        given[name] = enlarged(part[name])
+      }
+      usual.set(part, { sizes, given })
+      part.setv(Object.fromEntries(reset.map(name => [name, given[name]])), { sync: false })
     }
   }
   const turn = on => {
@@ -67,7 +74,7 @@ export function render({ model }) {
       timer = setInterval(enlarge, LOOK_AGAIN)
       document.documentElement.requestFullscreen?.().catch(refused => console.info("no full screen", refused))
     } else {
-      for (const [part, sizes] of usual) part.setv(sizes, { sync: false })
+      for (const [part, { sizes }] of usual) part.setv(sizes, { sync: false })
       usual.clear()
       if (document.fullscreenElement) document.exitFullscreen()
     }
@@ -75,15 +82,13 @@ export function render({ model }) {
   const typing = node => node.tagName == "SELECT" || node.tagName == "TEXTAREA" || node.isContentEditable
     || node.tagName == "INPUT" && !["range", "checkbox", "radio", "button"].includes(node.type)
   const press = event => {
-    if (event.key == "Escape") return turn(false)  // a dialog keeps the key to itself
+    if (event.key == "Escape") return turn(false)  // a dialog keeps keys to itself
     if (event.ctrlKey || event.altKey || event.metaKey) return
     if (event.key == " " && model.large && !model.plays && is_free(event)) {
       event.preventDefault()
       model.plays = true
     }
-    if (event.key.toLowerCase() != "KEY") return
-    if (event.composedPath().some(typing)) return
-    turn(!model.large)
+    if (event.key.toLowerCase() == "KEY" && !event.composedPath().some(typing)) turn(!model.large)
   }
   const leave = () => { if (!document.fullscreenElement) turn(false) }
   model.on("turned", () => turn(!model.large))

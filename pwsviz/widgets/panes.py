@@ -30,7 +30,7 @@ TEXT_CSS = (
 p { margin: 0 0 2px 0; }
 .heading { font-size: 0.75rem; font-weight: 600; letter-spacing: 0.08em; text-transform: uppercase;
            color: var(--mui-palette-text-secondary); margin: 14px 0 2px 0; }
-.about { color: var(--mui-palette-text-secondary); margin: 2px 0 6px 0; }
+.about { color: var(--mui-palette-text-secondary); margin: 2px 0 6px 0; display: var(--usual, block); }
 .law { margin: 0 0 0 1.5em; text-indent: -1.5em; }
 .law sup { line-height: 0; }
 .error { color: var(--mui-palette-error-main); }

@@ -103,6 +103,25 @@ def test_the_help_has_a_button_for_the_lecture_mode_as_a_phone_has_no_keys(phone
         assert becomes(phone, lambda: not phone.get_by_role("dialog").is_visible())
 
 
+@pytest.mark.deep
+def test_in_a_lecture_type_stays_large_when_the_theme_changes(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    await_built(page)
+    usual, widths = page.evaluate(TYPE), page.evaluate(WIDTHS)
+    page.keyboard.press("l")
+    page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
+    for _ in range(2):
+        page.get_by_label("Toggle theme").click()
+        page.wait_for_timeout(1500)
+        assert becomes(page, lambda: page.evaluate(TYPE) == pytest.approx([1.5 * size for size in usual]))
+        assert becomes(page, lambda: page.evaluate(WIDTHS) == pytest.approx([1.5 * width for width in widths]))
+    page.keyboard.press("l")
+    page.wait_for_function("() => document.documentElement.style.fontSize == ''")
+    assert becomes(page, lambda: page.evaluate(TYPE) == usual)
+    assert becomes(page, lambda: page.evaluate(WIDTHS) == widths)
+
+
 FRAME = """() => {
     const {frame: {bbox}, el} = Bokeh.index.query_one(view => view.model.type == "Figure" && view.model.match_aspect)
     const foot = el.getBoundingClientRect().bottom

@@ -5,7 +5,7 @@ import re
 import pytest
 
 import core
-from pwsviz.export.about import about
+from pwsviz.export.about import about, release
 from pwsviz.export.caption import caption
 from pwsviz.scene.scene import Scene
 from pwsviz.text.math_names import numbered, variable_name
@@ -54,8 +54,10 @@ def has_one_law(system):
 def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
     assert equations(core.CATALOGUE["henon_heiles"])[0].startswith("x′ = u, ")
     told = caption(scene_of(core.CATALOGUE["three_bodies"]), "Order")
-    surface = "S = {g = 0} with g = (x₁ − x₂)² + (y₁ − y₂)² − D². Parameters: D = 0.6, "
-    assert f"”. Equations omitted for their length (see the exported TEX file). {surface}" in told
+    surface = (
+        f"they are those of {release()}. S = {{g = 0}} with g = (x₁ − x₂)² + (y₁ − y₂)² − D². Parameters: D = 0.6, "
+    )
+    assert f"”. Equations omitted for their length; {surface}" in told
     assert ". For g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
     assert "”. The law is x′ = u, " in caption(scene_of(core.CATALOGUE["henon_heiles"]), "Order")
     assert "”. In region −−: x′ = " in caption(scene_of(core.CATALOGUE["chua"]), "Order")

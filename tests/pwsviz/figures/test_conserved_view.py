@@ -200,7 +200,7 @@ def test_eps_is_not_named_where_its_name_would_overlap_that_of_the_lowest_level(
 def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
     many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
     met = replace(curve([0.0, 1e-16]), crossings=np.array([1.0]), sides=np.ones(2))
-    whose, none = "Marks and shading are those of dmm2.", "crossings of dmm2 are too dense to mark"
+    whose, none = "Marks at surfaces and shading are those of dmm2.", "crossings of dmm2 are too dense to mark"
     assert "Shading is that of dmm2." in conserved_text([curve([0.0, 1e-16]), curve([0.0, 1e-7], "rk2")])
     for first, said, unsaid in ((met, whose, none), (many, none, whose)):
         words = conserved_text([first, curve([0.0, 1e-7], "rk2")])

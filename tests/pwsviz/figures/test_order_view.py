@@ -167,7 +167,7 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
         (later, f"to errors between {rounded(later.fit_above)} {lower} and {rounded(exact.fit_below)} {upper}."),
         (
             replace(later, window=(later.window[0], float(taus[2]))),
-            f"{upper}, up to the step size at which the local slope changes.",
+            f"{upper}, below the step size at which the local slope changes.",
         ),
     ):
         view, (shown,) = OrderView("error"), studied([exact], lambda _, row=row: [row])

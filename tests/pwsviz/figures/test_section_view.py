@@ -130,21 +130,26 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
     assert section_text(whole) == "6 points of 2 starts on S: g = 0, met from one side only, just after the reset map."
     early = points(portion(0, [1.0, 2.0, 3.0]), portion(1, [2.0]), statuses=(Status.CROSSING_LIMIT, Status.ZENO))
     assert (
-        "One start has all 3. Start 2 has ended with 1 point by t = 8.25: crossings or jumps come ever closer and "
-        "accumulate here (Zeno)."
+        "One start has all 3. Start 2 has ended with 1 point by t = 8.25, the last at t = 2: crossings or jumps come "
+        "ever closer and accumulate here (Zeno)."
     ) in section_text(early)
     both = points(portion(1, [2.0]), statuses=(Status.ESCAPED, Status.ESCAPED))
     assert (
         "Start 1 has ended with no point by t = 7.5: g does not change sign on the way; the numerical"
         in section_text(both)
     )
-    assert "Start 2 has ended with 1 point by t = 8.25: the numerical solution blows up." in section_text(both)
+    assert (
+        "Start 2 has ended with 1 point by t = 8.25, the last at t = 2: the numerical solution blows up."
+        in section_text(both)
+    )
     never = points(statuses=(Status.STEP_LIMIT, Status.CROSSING_LIMIT), section_of="v**2 + 1")
     assert "no point by t = 7.5: h does not change sign on the way; the limit of steps" in section_text(never)
     left_out = points(statuses=(Status.ZENO,) * 2, section_discard=9)
     assert "Starts 1 and 2 have ended with no point: crossings or jumps come" in section_text(left_out)
     still = replace(early, at_rest=frozenset({1}))
-    assert "Start 2 has ended with 1 point by t = 8.25: the motion has come to rest" in section_text(still)
+    assert "Start 2 has ended with 1 point by t = 8.25, the last at t = 2: the motion has come to rest" in section_text(
+        still
+    )
     typed = points(portion(0, [1.0]), section_of="y - a**2", section_discard=9)
     assert "on y − a² = 0, crossed in both directions." in section_text(typed)
     assert "after the first 9 are discarded; integrated by taylor" in section_how(typed)

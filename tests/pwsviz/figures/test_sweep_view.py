@@ -130,13 +130,14 @@ def test_how_names_all_that_repeats_the_diagram():
     assert surface_words(inputs) == "the surface x − 1 = 0 at which the function decreases"
     how = sweep_how(inputs)
     for words in (
-        "y at crossings", "400 values of a₋ from −8 to 4", "after the first 100 are discarded", "t = 2000",
+        "y at crossings", "400 values of a₋ from −8 to 4",
+        "the first 100 points of each run are discarded, and at most the next 100 with t ≤ 2000 are shown",
         "next smaller value", "taylor with tolerance 10⁻¹²", "Filippov",
     ):  # fmt: skip
         assert words in how, words
     told = sweep_how(SweepInputs.of_scene(Scene(system="stick_slip", methods=["rk4"])))
     assert "at crossings of S, and where sliding begins on it, for" in told
-    assert ": at most 100 points for each" in told
+    assert "at most the next 100 with t ≤ 2000" in told
     chua = {"system": "chua", "methods": ["taylor"]}
     assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "the surfaces gₖ = 0 at which gₖ increases"
     assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "the surfaces gₖ = 0"

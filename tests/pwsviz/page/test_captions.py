@@ -53,7 +53,7 @@ def test_a_section_that_ends_early_says_when_and_a_single_start_has_no_number(ex
     _, section = told_of(explorer, system="two_walls", view="section")
     assert ". 348 points on all surfaces, " in section
     assert "The run has ended with 348 points by t = 1036.3" in section
-    assert "The number marks the first point." in section
+    assert "The encircled number marks the first point." in section
 
 
 def test_successful_step_sizes_are_explained_where_they_are_drawn(explorer):
@@ -61,7 +61,7 @@ def test_successful_step_sizes_are_explained_where_they_are_drawn(explorer):
     assert "is successful if" not in without
     _, drawn = told_of(explorer, system="elliptic_curve", view="stability", methods=["dmm2"])
     assert "ends as it does and, for a conservative integrator, |Δψ| is at most" in drawn
-    assert drawn.count("the lines hold for") == 1
+    assert drawn.count("the line holds for") + drawn.count("the lines hold for") == 1
     assert "hold for the chosen start only" not in drawn, "that is told by the first sentence"
 
 
