@@ -22,6 +22,13 @@ from pwsviz.text.words import at_surface, listed
 from pwsviz.widgets.choices import SEEN_NAME, Choices
 from pwsviz.widgets.setting_buttons import choice
 
+ROUND_OFF = {
+    "state": "The round-off line is at 2⁻⁴⁸ times the size of the state, or at the error of the reference if larger.",
+    "time": "The round-off line is at 2⁻⁴⁸ times the end time, or at the error of the reference if larger.",
+    "invariant": "The round-off line is at 2⁻⁴⁸ times the size of the terms of ψ.",
+}
+"""What the line of each error is, for captions."""
+
 
 class CostTab(LongTab):
     """What an error costs, by integrator."""
@@ -78,13 +85,12 @@ class CostTab(LongTab):
         """Return what the runs do at crossings, what they are compared with, and how they are timed."""
         scene = self.scene
         slides = scene.slides and outcome.met.slides > 0
-        crossings = at_surface(met_at_surfaces(scene.declaration), scene.locate, slides) if any(outcome.met) else ""
+        met = met_at_surfaces(scene.declaration)
+        crossings = at_surface(met, scene.locate, slides) if any(outcome.met) else ""
         by = f"integrated by {listed([curve.title for curve in outcome.curves])} {compared_with(outcome)}"
         peers = [curve.title for curve in outcome.curves if curve.peer]
         verbs = ("locates", "restarts") if len(peers) == 1 else ("locate", "restart")
-        crossings += f"; {listed(peers)} {verbs[0]} crossings as events and {verbs[1]} at each" * bool(
-            peers and crossings
-        )
+        crossings += f"; {listed(peers)} {verbs[0]} {met} as events and {verbs[1]} at each" * bool(peers and crossings)
         runs = "; ".join(filter(None, [by, f"{settings_text(outcome)}{missing_text(outcome)}", crossings]))
         return f"{runs}. {timed_how(outcome)}"
 
@@ -96,8 +102,8 @@ class CostTab(LongTab):
         """Return what the errors, the line and open symbols are, for captions."""
         wrong = any((~curve.correct_sequence & np.isfinite(curve.seconds)).any() for curve in outcome.curves)
         hollow = " Open symbols: the run has a different sequence of crossings from the reference." * wrong
-        level = " The round-off line is the larger of the rounding of one state and the error of the reference."
-        return f"{MEANING[self.scene.cost_up]}{level * shows_round_off(outcome, self.scene.cost_up)}{hollow}"
+        level = f" {ROUND_OFF[self.scene.cost_up]}" * shows_round_off(outcome, self.scene.cost_up)
+        return f"{MEANING[self.scene.cost_up]}{level}{hollow}"
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""
