@@ -18,8 +18,8 @@ input { width: 18px; height: 18px; margin: 0 6px 0 0; flex: none; cursor: pointe
         accent-color: var(--mui-palette-primary-main); }
 input:focus-visible { outline: 2px solid var(--mui-palette-primary-main); outline-offset: 2px; }
 span[title]:not([title=""]):has(input:focus-visible)::after {
-    content: attr(title); position: absolute; white-space: normal; inset: calc(100% + 4px) 0 auto; z-index: 1; padding: 4px 8px;
-    border-radius: 4px; font-size: 0.8rem; color: var(--mui-palette-background-paper);
+    content: attr(title); position: absolute; inset: calc(100% + 4px) 0 auto; z-index: 1; padding: 4px 8px;
+    white-space: normal; border-radius: 4px; font-size: 0.8rem; color: var(--mui-palette-background-paper);
     background: var(--mui-palette-text-primary); }
 """
 

@@ -28,8 +28,8 @@ option, optgroup {{ color: var(--mui-palette-text-primary); background: var(--mu
 .bk-input-group::after {{ content: ""; position: absolute; right: 14px; top: calc(6px + 1.25rem); pointer-events: none;
     border: 5px solid transparent; border-top-color: var(--mui-palette-text-secondary); border-bottom-width: 0; }}
 .bk-input-group[data-about]:has(select:focus-visible)::before {{
-    content: attr(data-about); position: absolute; white-space: normal; inset: calc(100% + 4px) 0 auto; z-index: 1; padding: 4px 8px;
-    border-radius: 4px; font-size: 0.8rem; color: var(--mui-palette-background-paper);
+    content: attr(data-about); position: absolute; inset: calc(100% + 4px) 0 auto; z-index: 1; padding: 4px 8px;
+    white-space: normal; border-radius: 4px; font-size: 0.8rem; color: var(--mui-palette-background-paper);
     background: var(--mui-palette-text-primary); }}
 @media (forced-colors: active) {{
   .bk-input-group::after {{ forced-color-adjust: none; border-top-color: CanvasText; }}
