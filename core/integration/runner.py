@@ -278,7 +278,7 @@ class Runner(Run):
             self.rows.append((rows[:n], rows_x[:n]))
         if wholes[_RETRACTED]:
             last, places = self.chunks[-1]
-            self.chunks[-1] = last[:-1], places[:-1]
+            self.chunks[-1], wholes[_RETRACTED] = (last[:-1], places[:-1]), 0
         if n := wholes[_HITS]:
             self._room_for_hits = min(_MORE * size, _HITS_KEPT)
             self.chunks = [*(self.chunks if keep_hits else self.chunks[-1:]), (hits[:n], places[:n])]

@@ -50,9 +50,7 @@ def caption(
     heading : str
         What the picture shows, to be followed by “of the system”.
     """
-    parts = about(
-        scene, how=how, every_start=every_start, met=met, slid=slid, endings=endings, free=free, told=brief
-    )  # fmt: skip
+    parts = about(scene, how=how, every_start=every_start, met=met, slid=slid, endings=endings, free=free, told=brief)
     laws = _of_laws(scene.declaration)
     clauses, _, further = parts["integration"].partition(". ")
     runs = _with_methods(_sentences([*clauses.split("; "), further]), scene.declaration.laws.most_conserved > 0)
@@ -97,6 +95,7 @@ def _of_laws(system: core.PiecewiseSystem) -> Iterator[str]:
     yield from map(_law, told.laws) if short else [f"{OMITTED}{known}"]
     if len(surfaces := ", ".join(told.surfaces)) <= LONGEST and surfaces:
         signs = f"; a region is named by the signs of {listed([one.partition(' ')[0] for one in told.surfaces])}"
+        signs *= system.laws.sides.shape[1] > 0
         yield f"S = {{g = 0}} with {surfaces}" if system.two_sided else f"surfaces gₖ = 0 with {surfaces}{signs}"
     if short:
         yield from _resets(told.resets)

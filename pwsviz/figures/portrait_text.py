@@ -60,14 +60,14 @@ def portrait_text(
 
 
 def _shape(orbit: Orbit, across: str, up: str) -> str:
-    """Return how far a curve reaches, and where it first meets a surface, in a sentence."""
+    """Return how far a curve reaches, and where it meets a surface, in sentences."""
     if not np.isfinite(orbit.path).any():
         return ""
     (x_low, y_low), (x_high, y_high) = np.nanmin(orbit.path, axis=0), np.nanmax(orbit.path, axis=0)
     reach = f"{across} from {x_low:.3g} to {x_high:.3g}, {up} from {y_low:.3g} to {y_high:.3g}"
     places = [f"({a:.3g}, {b:.3g})" for a, b in (orbit.crossings[:FEW_PLACES] + 0.0).tolist()]
-    first = "first " * (len(orbit.crossings) > FEW_PLACES)
-    met = f" It {first}meets a surface at {listed(places)}." * bool(places)
+    more = ["elsewhere"] * (len(orbit.crossings) > FEW_PLACES)
+    met = f" It meets a surface at {listed([*places, *more])}." * bool(places)
     return printed(f"The curve of {orbit.method} goes through {reach}.{met}")
 
 

@@ -175,8 +175,7 @@ def sweep_how(inputs: SweepInputs) -> str:
         "up": "each run begins where that of the next smaller value ends",
         "down": "each run begins where that of the next greater value ends",
     }[inputs.continuation]
-    most = plural(inputs.points, "point")
-    shown = f"at most {most}"
+    shown = f"at most {plural(inputs.points, 'point')}"
     if inputs.discard:
         shown = f"the first {inputs.discard:,} points of each run are discarded, and at most the next {inputs.points:,}"
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
