@@ -209,7 +209,7 @@ class Ground:
         seen : Window
             The part of the plane that is seen.
         curves : sequence of (n, 2) arrays
-            The trajectories: level sets below them have no key.
+            The trajectories: level sets that these hide are not drawn.
         """
         self._show_entries(backdrop, seen)
         if backdrop is self._shown:
@@ -225,23 +225,30 @@ class Ground:
                 source.data = columns
             else:
                 assign(source, **columns)
+        own = _shown_levels(backdrop, curves, backdrop.window)
         for side in SIDES:
-            cut = [_columns(part[side]) for part in (backdrop.levels, backdrop.orbit_levels, backdrop.arrows)]
+            cut = [_columns(part[side]) for part in (backdrop.levels, own, backdrop.arrows)]
             for source, columns in zip(self._lines(side), backdrop.whole.get(side, cut), strict=True):
                 assign(source, **columns)
         assign(self.attracting, **_columns(backdrop.attracting))
         assign(self.repelling, **_columns(backdrop.repelling))
         sliding = ({0: backdrop.attracting}, {0: backdrop.repelling})
-        parts = (backdrop.arrows, backdrop.levels, backdrop.orbit_levels, *sliding)
+        parts = (backdrop.arrows, backdrop.levels, _shown_levels(backdrop, curves, seen), *sliding)
         for k, (entry, part) in enumerate(zip(self._line_entries, parts, strict=True)):
             there = [side for side, lines in part.items() if np.isfinite(lines).any()]
-            hidden = k == 2 and not backdrop.formulas["moving"] and are_hidden(part.values(), curves, seen)
-            entry.visible = bool(there) and not hidden
+            entry.visible = bool(there)
             if there and k in self._level_keys:
                 _colour(self._level_keys[k], there, DOTS if k == 2 else ())
         text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels, "window": backdrop.window})
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
+
+
+def _shown_levels(backdrop: Backdrop, curves: Sequence[Floats], window: Window) -> dict[int, Floats]:
+    """Return the level sets of the trajectories, none if these hide them in a window: in print, dashes would not."""
+    levels = backdrop.orbit_levels
+    hidden = not backdrop.formulas["moving"] and are_hidden(levels.values(), curves, window)
+    return {side: lines[:0] for side, lines in levels.items()} if hidden else levels
 
 
 def _any_seen(outlines: list[Floats], seen: Window) -> bool:
