@@ -14,7 +14,7 @@ ZOOM = """factor => {
 }"""
 """Shows the first part of the time in the conserved quantity."""
 
-NARROW, SOME = "sides not shaded", " (some omitted)"
+NARROW, SOME_BRIEF, SOME = "sides not shaded", "brief stays not shaded", " (some omitted)"
 
 
 def labels(page):
@@ -36,6 +36,19 @@ def test_shades_too_narrow_to_tell_apart_are_left_out_until_one_zooms_in(visit):
     await_labels(page, lambda found: NARROW not in found and "g > 0" in found)
     page.evaluate(ZOOM, 150)
     await_labels(page, lambda found: NARROW in found and "g > 0" not in found)
+
+
+def test_of_a_periodic_run_all_shades_are_left_out_or_none(visit):
+    page = visit(query="v=2&t_end=60")
+    await_painted(page, "Absolute change of the conserved quantity")
+    seen = set()
+    for end in range(60, 240, 6):  # the stays become narrower
+        page.evaluate(ZOOM, end)
+        page.wait_for_timeout(60)
+        found = labels(page)
+        assert SOME_BRIEF not in found, end
+        seen.add(NARROW in found)
+    assert seen == {True, False}
 
 
 def test_the_legend_says_of_marks_that_some_are_left_out(visit):
