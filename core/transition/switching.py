@@ -256,7 +256,7 @@ def switch_mode(context, log, found):
     if run.monitored > 0:  # with the error of ψ at the end of the segment
         widen_envelope(context, log)
     against = run.chain == 0 and is_met_against_the_field(context, found, own)
-    stayed = found == TOUCH and has_stayed(context, guard.surface)
+    stayed = has_stayed(context, guard.surface)
     run.leaving = 1
     row, at = guard.to, 0 if guard.back == NO_MODE else 1 << guard.back
     if corner:
@@ -298,12 +298,16 @@ def switch_mode(context, log, found):
 
 @inlined
 def has_stayed(context, surface):
-    """Whether a touch in a step that began where the state crossed the same surface is a return to that crossing."""
+    """Whether the step began where the state crossed this surface, within rounding of which it has stayed since.
+
+    How high it has been follows as in `is_lost_in_rounding`.
+    """
     run = context.run
     crossed = run.leaving == 1 and run.entered > 0.0 and run.jumped == 0 and run.crossings > 0 and run.chain == 0
     located = run.follow == 1 and run.shift == 0.0
     since = since_visit(run, context.w, visit_of(surface))
-    return crossed and located and since == elapsed(run) and since <= abs(run.hit) * (1.0 + _SAME)
+    low = run.entered * since <= 4.0 * MARGIN * context.w[ROUNDING_OF_G]
+    return crossed and located and low and since == elapsed(run) and since <= abs(run.hit) * (1.0 + _SAME)
 
 
 @internal

@@ -103,11 +103,10 @@ def _of_laws(system: core.PiecewiseSystem) -> Iterator[str]:
             yield f"transitions: from {'; from '.join(told.transitions)}"
 
 
-def _resets(resets: Sequence[str]) -> Iterator[str]:
+def _resets(resets: Sequence[tuple[str, str]]) -> Iterator[str]:
     """Yield the reset maps, one that acts at several surfaces once: “reset map at g₁ = 0 and g₂ = 0: …”."""
     places: dict[str, list[str]] = {}
-    for one in resets:
-        where, _, what = one.removeprefix("reset map at ").partition(": ")
+    for where, what in resets:
         places.setdefault(what, []).append(where)
     yield from (f"reset map at {listed(where)}: {what}" for what, where in places.items())
 

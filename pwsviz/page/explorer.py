@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import nullcontext
 from functools import cached_property, partial
 from html import escape
@@ -13,20 +13,18 @@ import panel_material_ui as pmui
 
 import core
 from pwsviz.editor.form import SystemEditor
-from pwsviz.export.endings import endings
-from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.linking import link_portrait
-from pwsviz.figures.portrait_text import marks_text, portrait_note
 from pwsviz.page.cover import Cover
-from pwsviz.page.export_dialog import NOT_YET, ExportDialog, Piece
+from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
 from pwsviz.page.headline import Headline
 from pwsviz.page.help import ABOUT, CITATION, Help
 from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, STACK_CSS, TABS_SX
+from pwsviz.page.pieces import pieces_of
 from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
-from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.results.results import Results
 from pwsviz.scene.history import History
 from pwsviz.scene.permalink import adopt, query
 from pwsviz.scene.presets import Preset
@@ -36,7 +34,7 @@ from pwsviz.tabs import LongTab, Tab, make_tab
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.numbers import printed
-from pwsviz.text.words import STEPS_MARKED, as_text, failure
+from pwsviz.text.words import as_text, failure
 from pwsviz.widgets.announcer import Announcer
 from pwsviz.widgets.browser import NARROW, REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
@@ -321,29 +319,8 @@ class Explorer(pn.viewable.Viewer):
         self.browser.title = f"{self.scene.declaration.name}: {VIEWS[self.scene.view].title} – pwsviz"
 
     def _pieces(self) -> list[Piece]:
-        """Return what can be exported: the run of the portrait, and the view beside it."""
-        panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view].title
-        shown, pieces, runs = panel.shown, [Piece("Phase portrait", {}, [], lack=NOT_YET)], list[DrawnRun]()
-        if shown is not None and shown.inputs == PortraitInputs.of(self.scene):  # else of other settings
-            all_runs = drawn_runs(shown.inputs, self.scene.selected, self.results.run)
-            tables, runs = {**portrait_tables(all_runs), **drawn_table(shown)}, list(all_runs())
-            drawn = [panel.portrait.figure]
-            several = len(self.scene.starts) > 1
-            means = panel.portrait.ground.meaning(
-                "the trajectory" + f" from initial state {self.scene.selected + 1}" * several
-            )
-            joined = "Dash-dotted lines join the states before and after jumps." * panel.portrait.joins_jumps
-            note = portrait_note(self.scene.declaration, shown.axes, caption=True)
-            dots = STEPS_MARKED * panel.portrait.marks_steps
-            means = " ".join(filter(None, [means, marks_text(shown), joined, dots, note]))
-            pieces = [Piece("Phase portrait", tables, drawn, meaning=means, **_course(runs))]
-        if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
-            return [*pieces, Piece(title, {}, [], lack=NOT_YET)]
-        said: dict[str, Any] = {"how": view.how(view.outcome), "every_start": view.every_start, "free": view.free()}
-        said |= {"meaning": view.meaning(view.outcome), "heading": view.heading(view.outcome)}
-        if not said["how"]:
-            said |= _course([one for one in runs if view.every_start or one.start == self.scene.selected + 1])
-        return [*pieces, Piece(title, view.tables(), view.pictures(), **said)]
+        """Return what can be exported now."""
+        return pieces_of(self.scene, self.results, self.portrait_panel, self.view)
 
     def settle(self, timeout: float) -> bool:
         """Wait at most `timeout` seconds; return whether all computations are done. For use without a server."""
@@ -428,9 +405,3 @@ class Explorer(pn.viewable.Viewer):
     def _page_address() -> str:
         location = pn.state.location
         return (location.href or "").partition("?")[0] if location is not None else ""
-
-
-def _course(runs: Sequence[DrawnRun]) -> dict[str, Any]:
-    """Return what captions are told of runs of the scene: whether one meets a surface or slides, and early ends."""
-    met = any(one.run.crossing_count for one in runs)
-    return {"met": met, "slid": any(one.run.sliding.any() for one in runs), "endings": endings(runs)}

@@ -17,11 +17,14 @@ LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 class Law(NamedTuple):
-    """The law of a region: where it holds, as “g < 0”, and the rates; “” where one law holds everywhere."""
+    """The law of a region."""
 
     where: str
+    """Where it holds, as “g < 0”; empty if it is the only one."""
     rates: str
+    """Of each variable, “x′ = …”."""
     conserved: str
+    """Of each conserved quantity, “ψ₋ = …”."""
 
 
 class Equations(NamedTuple):
@@ -30,8 +33,8 @@ class Equations(NamedTuple):
     laws: list[Law]
     surfaces: list[str]
     """Of each surface, “g = …”."""
-    resets: list[str]
-    """Of each surface at which the state jumps, “reset map at g = 0: …”."""
+    resets: list[tuple[str, str]]
+    """Of each surface at which the state jumps, “g = 0” and the map, “(y, v) ↦ (0, −ε·v)”."""
     transitions: list[str]
     """Of each transition between regions, “on to off where … = 0”."""
 
@@ -41,7 +44,7 @@ def equations_of(system: core.PiecewiseSystem) -> Equations:
     names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]
     surfaces = [f"{name} = {readable(g, system)}" for name, g in zip(names, system.surfaces, strict=True)]
     state = f"({', '.join(map(variable_name, system.variables))})"
-    resets = [f"reset map at {names[k]} = 0: {state} ↦ {_map(jump, system)}" for k, jump in system.jumps.items()]
+    resets = [(f"{names[k]} = 0", f"{state} ↦ {_map(jump, system)}") for k, jump in system.jumps.items()]
     transitions = []
     for way in system.transitions:
         jump = f", reset map {state} ↦ {_map(way.jump, system)}" if way.jump else ""
@@ -53,7 +56,8 @@ def equations(system: core.PiecewiseSystem) -> str:
     """Return them on one line: “g < 0: x′ = 2y, ψ₋ = …; g > 0: …; g = …”; one law for all as “x′ = …; g = …”."""
     found = equations_of(system)
     laws = (f"{law.where}: " * bool(law.where) + ", ".join(filter(None, law[1:])) for law in found.laws)
-    return "; ".join([*laws, *found.surfaces, *found.resets, *found.transitions])
+    resets = (f"reset map at {where}: {what}" for where, what in found.resets)
+    return "; ".join([*laws, *found.surfaces, *resets, *found.transitions])
 
 
 def _laws(system: core.PiecewiseSystem) -> list[Law]:

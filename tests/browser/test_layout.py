@@ -75,14 +75,21 @@ WIDTHS = """() => [...Bokeh.index.query(view => ["GlyphRenderer", "Span"].includ
 """Widths in pixels of the lines of all figures, and sizes of their marks."""
 
 
-@pytest.mark.deep
-def test_a_key_turns_the_lecture_mode_on_and_off(visit):
+@pytest.fixture
+def lecture(visit):
+    """A page in lecture mode, with the sizes of its type and the widths of its lines before."""
     page = visit()
     await_painted(page, "Phase portrait")
     await_built(page)
     usual, widths = page.evaluate(TYPE), page.evaluate(WIDTHS)
     page.keyboard.press("l")
     page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
+    return page, usual, widths
+
+
+@pytest.mark.deep
+def test_a_key_turns_the_lecture_mode_on_and_off(lecture):
+    page, usual, widths = lecture
     assert page.evaluate(TYPE) == pytest.approx([1.5 * size for size in usual])
     assert page.evaluate(WIDTHS) == pytest.approx([1.5 * width for width in widths]), "lines and marks grow with it"
     for leave in ("l", "Escape"):
@@ -104,13 +111,8 @@ def test_the_help_has_a_button_for_the_lecture_mode_as_a_phone_has_no_keys(phone
 
 
 @pytest.mark.deep
-def test_in_a_lecture_type_stays_large_when_the_theme_changes(visit):
-    page = visit()
-    await_painted(page, "Phase portrait")
-    await_built(page)
-    usual, widths = page.evaluate(TYPE), page.evaluate(WIDTHS)
-    page.keyboard.press("l")
-    page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
+def test_in_a_lecture_type_stays_large_when_the_theme_changes(lecture):
+    page, usual, widths = lecture
     for _ in range(2):
         page.get_by_label("Toggle theme").click()
         page.wait_for_timeout(1500)

@@ -35,13 +35,20 @@ def test_a_touch_is_no_crossing_before_it_either(draws):
     touches = 0
     for rng in draws(60):
         _, rate, place, velocity = drawn_oscillator(rng)
-        f = ("v", f"-{rate!r}**2*x"), ("v", f"-{rate!r}**2*x - {rng.uniform(0.5, 3.0)!r}*(x - {place!r})")
+        drift = 0.0 if rng.random() < 0.5 else float(rng.uniform(-0.5, 0.5))  # of the surface, and of all with it
+        force, push = f"-{rate!r}**2*(x - {drift!r}*t)", f"{rng.uniform(0.5, 3.0)!r}*(x - {drift!r}*t - {place!r})"
+        f = (f"v + {drift!r}", force), (f"v + {drift!r}", f"{force} - {push}")
         start = np.sqrt(place**2 - (velocity / rate) ** 2) + int(rng.integers(-12, 13)) * 2.0**-53
-        system = core.PiecewiseSystem("drawn", ("x", "v"), *f, f"x - {place!r}", x0=(start, velocity))
-        span, tau, method = (0.0, 6.0 / rate), rng.choice([0.01, 0.05, 0.1]), rng.choice(["rk8", "gauss4", "taylor"])
-        cold, warm = (core.integrate(system, span, tau=tau, method=method) for _ in range(2))
-        many = core.ensemble(system, span, [system.x0] * 2, tau=tau, method=method)
-        case = (rate, place, velocity, start, method, tau)
+        system = core.PiecewiseSystem("drawn", ("x", "v"), *f, f"x - {drift!r}*t - {place!r}", x0=(start, velocity))
+        span, tau, method = (
+            (0.0, rng.choice([-6.0, 6.0]) / rate),
+            rng.choice([0.01, 0.05, 0.1]),
+            rng.choice(["rk8", "gauss4", "taylor"]),
+        )
+        given = {"tau": tau, "method": method, "sliding": rng.choice(["stop", "continue"])}
+        cold, warm = (core.integrate(system, span, **given) for _ in range(2))
+        many = core.ensemble(system, span, [system.x0] * 2, **given)
+        case = (rate, place, velocity, start, drift, span, given)
         assert list(cold.crossings.kind) == list(warm.crossings.kind), case
         assert (many.crossing_count == warm.crossing_count).all(), case
         assert (many.status == warm.status).all(), case
@@ -49,5 +56,5 @@ def test_a_touch_is_no_crossing_before_it_either(draws):
             touches += 1
             assert list(warm.crossings.kind) == ["grazing"], case
             assert (warm.mode == 0).all(), case
-            assert warm.crossings.rate_before[0] >= 0.0, case
+            assert warm.crossings.rate_before[0] * span[1] >= 0.0, case
     assert touches

@@ -1,0 +1,58 @@
+"""What can be exported of a page: the portrait, and the view beside it, each with what its caption says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from pwsviz.export.endings import endings
+from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
+from pwsviz.figures.portrait_text import marks_text, portrait_note
+from pwsviz.page.export_dialog import NOT_YET, Piece
+from pwsviz.page.portrait_panel import PortraitPanel
+from pwsviz.results.results import Pictures, PortraitInputs, Results
+from pwsviz.scene.scene import Scene
+from pwsviz.scene.views import VIEWS
+from pwsviz.tabs import Tab
+from pwsviz.text.words import STEPS_MARKED
+
+__all__ = ["pieces_of"]
+
+
+def pieces_of(scene: Scene, results: Results, panel: PortraitPanel, view: Tab) -> list[Piece]:
+    """Return the portrait and the view; of one that shows other settings, or is not whole yet, that it lacks."""
+    shown, runs = panel.shown, list[DrawnRun]()
+    portrait = Piece("Phase portrait", {}, [], lack=NOT_YET)
+    if shown is not None and shown.inputs == PortraitInputs.of(scene):
+        all_runs = drawn_runs(shown.inputs, scene.selected, results.run)
+        tables, runs = {**portrait_tables(all_runs), **drawn_table(shown)}, list(all_runs())
+        meaning = _meaning(scene, panel, shown)
+        portrait = Piece("Phase portrait", tables, [panel.portrait.figure], meaning=meaning, **_course(runs))
+    title = VIEWS[scene.view].title
+    if view.outcome is None or view.shown != view.inputs():
+        return [portrait, Piece(title, {}, [], lack=NOT_YET)]
+    said: dict[str, Any] = {"how": view.how(view.outcome), "every_start": view.every_start, "free": view.free()}
+    said |= {"meaning": view.meaning(view.outcome), "heading": view.heading(view.outcome)}
+    if not said["how"]:
+        said |= _course([one for one in runs if view.every_start or one.start == scene.selected + 1])
+    return [portrait, Piece(title, view.tables(), view.pictures(), **said)]
+
+
+def _meaning(scene: Scene, panel: PortraitPanel, shown: Pictures) -> str:
+    """Return what the lines and marks of the portrait are, and what it leaves out, in sentences."""
+    several = len(scene.starts) > 1
+    name = "the trajectory" + f" from initial state {scene.selected + 1}" * several
+    told = [
+        panel.portrait.ground.meaning(name),
+        marks_text(shown),
+        "Dash-dotted lines join the states before and after jumps." * panel.portrait.joins_jumps,
+        STEPS_MARKED * panel.portrait.marks_steps,
+        portrait_note(scene.declaration, shown.axes, caption=True),
+    ]
+    return " ".join(filter(None, told))
+
+
+def _course(runs: Sequence[DrawnRun]) -> dict[str, Any]:
+    """Return what captions are told of runs of the scene: whether one meets a surface or slides, and early ends."""
+    met = any(one.run.crossing_count for one in runs)
+    return {"met": met, "slid": any(one.run.sliding.any() for one in runs), "endings": endings(runs)}
