@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.integration.crossings import Crossings
 from core.integration.run_settings import Settings
@@ -21,8 +22,9 @@ from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.symbolic.source_text import to_text
+from core.transition.records import NO_MODE
 
-__all__ = ["undecided_corners"]
+__all__ = ["slid_into_corners", "undecided_corners"]
 
 #: Most crossings that are examined: those that are nearest to other surfaces.
 _MOST = 64
@@ -63,7 +65,9 @@ def undecided_corners(run: Trajectory) -> Iterator[str]:
     How accurate it is there is told by a run with half the step; of a long run, by the last part of it.
     """
     crossings, laws = run.crossings, run.system.laws
-    if len(laws.surfaces) < 2 or not laws.regions[0].sides or not np.array_equal(crossings.x, crossings.surface):
+    passed = crossings.kind == "corner"  # the state goes on from where the surfaces meet
+    as_met = np.array_equal(crossings.x[~passed], crossings.surface[~passed])
+    if len(laws.surfaces) < 2 or not laws.regions[0].sides or not as_met:
         return  # regions by name have no corners; a run that is perturbed, or steps over surfaces, is off them anyway
     passages = _passages(run)
     if not passages:
@@ -84,6 +88,23 @@ def undecided_corners(run: Trajectory) -> Iterator[str]:
             return
 
 
+def slid_into_corners(run: Trajectory) -> Iterator[str]:
+    """Warn of the first corner that a run has passed, if solutions beside it slide, at which the run would end."""
+    crossings, laws = run.crossings, run.system.laws
+    passed = () if run.slides else np.flatnonzero((crossings.kind == "corner") & (crossings.mode != NO_MODE))
+    for row in passed:
+        t, x = float(crossings.t[row]), crossings.x[row]
+        heights, rounding = _heights(run, np.array([row]))
+        met = tuple(np.flatnonzero(np.abs(heights[0]) <= rounding[0]).tolist())
+        if way_out(run.system, t, x, met, math.copysign(1.0, run.t[-1] - run.t[0])).slid_into:
+            zeros = " and ".join(f"{to_text(laws.surfaces[k])} = 0" for k in met)
+            yield (
+                f"At t = {t:.6g} {zeros} are met at once, to rounding, and the run goes on, but solutions beside it "
+                "slide: one that met only one of them would end there"
+            )
+            return
+
+
 def _passages(run: Trajectory) -> list[_Passage]:
     """Crossings within a step of a corner, in order of time."""
     system, laws, crossings, p = run.system, run.system.laws, run.crossings, run.system.parameter_array
@@ -91,9 +112,7 @@ def _passages(run: Trajectory) -> list[_Passage]:
     known = np.flatnonzero((crossings.kind != "corner") & (crossings.surface_met >= 0))
     t, x, met = crossings.t[known], crossings.x[known], crossings.surface_met[known]
     arriving = np.concatenate([run.mode[:1], crossings.mode])[known]  # of each crossing, the mode before it
-    values = laws.evaluate("heights and roundings", laws.surfaces_and_roundings, t, x, p)
-    before = laws.evaluate("heights and roundings", laws.surfaces_and_roundings, run.entered_t, run.entered_x, p)[known]
-    heights, rounding = values[:, :count], _MARGIN * _EPS * (values + before)[:, count:]
+    heights, rounding = _heights(run, known)
     away, reach = np.full(heights.shape, np.inf), np.zeros(len(known))  # time to the other surfaces; way of a step
     for number in np.unique(arriving[arriving >= 0]).tolist():
         rows, mode = arriving == number, laws.mode(number).written
@@ -113,6 +132,16 @@ def _passages(run: Trajectory) -> list[_Passage]:
             place = int(known[row]), float(t[row]), int(met[row]), near, float(heights[row, near]), corner
             found.append(_Passage(*place, float(reach[row]), float(rounding[row, near])))
     return found
+
+
+def _heights(run: Trajectory, rows: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """The switching functions at some crossings, and bounds on their error by rounding the states of the segments."""
+    crossings, laws, p = run.crossings, run.system.laws, run.system.parameter_array
+    wanted = "heights and roundings", laws.surfaces_and_roundings
+    values = laws.evaluate(*wanted, crossings.t[rows], crossings.x[rows], p)
+    before = laws.evaluate(*wanted, run.entered_t[rows], run.entered_x[rows], p)
+    count = len(laws.surfaces)
+    return values[:, :count], _MARGIN * _EPS * (values + before)[:, count:]
 
 
 def _height(run: Trajectory, surface: int, t: float, x: Floats) -> float:

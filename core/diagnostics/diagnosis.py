@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from itertools import islice
+from itertools import chain, islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from core.diagnostics.constants import (
     second_rate_bound,
     wellposed_bound,
 )
-from core.diagnostics.corners import undecided_corners
+from core.diagnostics.corners import slid_into_corners, undecided_corners
 from core.diagnostics.encounters import Encounters, encounters
 from core.diagnostics.near_touches import near_touches
 from core.diagnostics.resolution import resolvable, unresolved
@@ -130,11 +130,12 @@ def step_warning(run: Trajectory) -> str:
     """Warning about the step size, in a sentence; '' where there is none.
 
     The first of `unresolved`: steps too long for g or for the field; else that of `undecided_corners`, of
-    `near_touches`, or of `Diagnosis.warnings` from the first 256 crossings.
+    `slid_into_corners`, of `near_touches`, or of `Diagnosis.warnings` from the first 256 crossings.
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
-    warnings = unresolved(run) or tuple(undecided_corners(run)) or tuple(islice(near_touches(run), 1))
+    corners = chain(undecided_corners(run), slid_into_corners(run))
+    warnings = unresolved(run) or tuple(islice(chain(corners, near_touches(run)), 1))
     if not warnings:
         warnings = _diagnosis(run, run.crossings.first(min(_FIRST, _judged(run)))).warnings
     return f"{warnings[0]}." if warnings else ""

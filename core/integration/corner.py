@@ -50,6 +50,8 @@ class WayOut(NamedTuple):
     """Number of the region, or of the mode of sliding, entered; None where the laws do not determine it."""
     reason: str = ""
     """Why they do not."""
+    slid_into: bool = False
+    """Whether solutions slide into the corner, so that one beside it does."""
 
     @property
     def unclear(self) -> bool:
@@ -101,12 +103,13 @@ def way_out_of(laws: Laws, sides: Sequence[int], surfaces: Sequence[int], rate: 
         region = _agreed(around, rates)
         why = _Why.UNDECLARED if len(around) < 2 ** len(surfaces) else _Why.MANY
         return WayOut(region, "" if region is not None else why)
-    exits = [*_into_regions(around, rates), *_along_surfaces(laws, around, rates, surfaces)]
+    slides = list(_along_surfaces(laws, around, rates, surfaces))
+    exits = [*_into_regions(around, rates), *(leaving for leaving in slides if leaving is not None)]
     if len(exits) != 1:
         return WayOut(None, _doubt(exits) or (_Why.SEVERAL if exits else _Why.NONE))
     if doubt := _doubt(exits):
         return WayOut(None, doubt)
-    return WayOut(None, _Why.STAYS) if _may_stay(rates) else WayOut(exits[0].mode)
+    return WayOut(None, _Why.STAYS) if _may_stay(rates) else WayOut(exits[0].mode, slid_into=None in slides)
 
 
 def surfaces_met(guards: NDArray[Any], met_first: int, met: int, along: int | None) -> tuple[int, ...]:
@@ -168,15 +171,19 @@ def _into_regions(around: dict[Signs, int], rates: dict[Signs, list[Rate]]) -> I
 
 def _along_surfaces(
     laws: Laws, around: dict[Signs, int], rates: dict[Signs, list[Rate]], surfaces: Sequence[int]
-) -> Iterator[_Exit]:
-    """Half-surfaces that attract both fields, along which sliding leads away from the corner, clearly or perhaps."""
+) -> Iterator[_Exit | None]:
+    """Half-surfaces that attract both fields, clearly or perhaps: exits, or None where sliding leads to the corner."""
     for k, side in product((0, 1), (-1, 1)):
         low, high = ((sign, side) if k == 0 else (side, sign) for sign in (-1, 1))
         (up, onward_low), (down, onward_high) = ((rates[s][k], rates[s][1 - k]) for s in (low, high))
         # Filippov's rate of the other surface, times the positive difference of the rates of this one.
         onward = side * (up.value * onward_high.value - down.value * onward_low.value)
         doubt = _doubt_of_product(up, onward_high) + _doubt_of_product(down, onward_low)
-        if up.value >= -up.doubt and down.value <= down.doubt and onward >= -doubt:
+        if up.value < -up.doubt or down.value > down.doubt:
+            continue
+        if onward < -doubt:
+            yield None
+        else:
             attracts = up.value > up.doubt and down.value < -down.doubt
             clear = attracts and onward > doubt
             rests = attracts and not clear

@@ -159,7 +159,8 @@ class Runner(Run):
     def _pass_corner(self, direction: float) -> None:
         """Go on from a corner, if the laws around leave one way out."""
         surfaces = self._surfaces_at_corner()
-        mode, self.why_cornered = way_out(self.system, self.t, self.x, surfaces, direction)
+        way = way_out(self.system, self.t, self.x, surfaces, direction)
+        mode, self.why_cornered = way.mode, way.reason
         self._corners = self._corners + 1 if self._last_corner == self.t else 0
         self._last_corner = self.t
         self.status = Status.CORNER

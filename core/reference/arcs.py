@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from functools import cached_property
@@ -12,7 +13,7 @@ import sympy
 from numpy.typing import NDArray
 
 from core.interface.cancelling import Cancel, raise_if
-from core.reference.first_root import FirstRoot, newton, zero_between
+from core.reference.first_root import FirstRoot, TooLongError, newton, zero_between
 from core.reference.guard import Enclosure, Guard, Polynomial
 from core.reference.powers import GUARD, Field, Step
 from core.reference.program import Digits
@@ -38,6 +39,10 @@ _RESTING = 64
 _TOUCH = 0.75
 #: Part of the bits to which a state has to return for its orbit to be closed.
 _CLOSED = 0.5
+#: Pieces in whose middles the size of a height and of its rate is taken.
+_LOOKS = 12
+#: Most times that a step of one arc is begun anew because bounds over it tell nothing.
+_MAX_SHORTENED = 64
 #: Relative half-width of the bracket around a crossing that fewer digits have found.
 _EXPECTED = 2.0**-30
 
@@ -111,13 +116,13 @@ class ExactArc:
         self.decided_by_bounds = True  #: whether bounds decided where it ends; else more digits could change that
         self._level, self._motion, self._entry = level, level.motion(entry.mode), entry
         self._guide = guide if guide is not None and guide.mode == entry.mode else None
-        self._last_search: tuple[Any, list[_View]] | None = None  # part of the last step at which it ends, and heights
         self._largest_heights, self._largest_rates = np.zeros((2, len(self._motion.guards)))
         self._context = level.digits.context
         self._eps = zero_of(level.digits)
         self._round_off = self._context.ldexp(1, GUARD - self._context.prec)
         self._steps: list[Step] = []
         self._unchanged_steps = 0  # steps in a row that changed nothing
+        self._shortened = 0  # times that a step was too long
         self._end, self._last = self._context.mpf(0), x
         self._unit = self._motion.field.unit(level.digits, x)
         self._no_arrival = ""  # why it never ends, once known
@@ -128,9 +133,6 @@ class ExactArc:
     def largest_height(self, guard: int) -> float:
         """Largest height of a guard seen on it."""
         here = float(self._largest_heights[guard])
-        if self._last_search is not None:
-            part, views = self._last_search
-            here = max(here, views[guard].height_before(part))
         return max(here, self._guide.largest_height(guard)) if self._guide else here
 
     def largest_rate(self, guard: int) -> float:
@@ -156,7 +158,7 @@ class ExactArc:
         elapsed = self._context.mpf(t) - self.t
         if self._period:
             elapsed -= self._period * self._context.floor(elapsed / self._period)
-        if not self._steps:
+        while not self._steps:
             self._extend()
         if self._no_arrival and not self._period and not self._rests and elapsed > self._end:
             raise ValueError(f"no state at t = {t}: {self._no_arrival}")
@@ -164,20 +166,35 @@ class ExactArc:
         return self._steps[max(number - 1, 0)].at(elapsed)
 
     def _extend(self) -> None:
-        """Take a step, and find the first zero of a guard on it."""
+        """Take a step, and find the first zero of a guard on it; a step over which bounds tell nothing is not taken."""
         raise_if(self._level.cancel)
         if len(self._steps) == _MAX_STEPS:
             last = float(self._end)
             raise ValueError(f"no crossing found in {_MAX_STEPS} steps, up to {last:.6g} after the last one")
         self._leave_out_decayed_parts()
         step = self._motion.field.step(self._level.digits, self._end, self._last, self._unit)
+        states = Polynomial(step)
+        try:
+            divided = None if self._search_near_guide(step, states) else self._search(step, states)
+        except TooLongError as error:
+            self._shorten(step, error)
+            return
         self._steps.append(step)
         self._end += step.span
-        before, self._last, self._unit = self._last, step.at(self._end), step.next_unit
+        before, self._last = self._last, step.at(self._end)
+        self._unit = min(step.next_unit, step.unit) if divided else step.next_unit
         unchanged = np.abs(self._last - before).max() <= np.abs(self._last).max() * self._round_off
         self._unchanged_steps = self._unchanged_steps + 1 if unchanged else 0
-        if not self._search_near_guide(step):
-            self._search(step)
+        if divided is not None and self.found is None and not self._no_arrival:
+            self._find_no_arrival(step, states)
+
+    def _shorten(self, step: Step, error: TooLongError) -> None:
+        """Begin the next step anew, shorter: the surface moves, or g varies, much faster than the state."""
+        if self._shortened == _MAX_SHORTENED:
+            last = float(self.t + self._end)
+            raise ValueError(f"no crossing found: g varies too fast after t = {last:.17g}") from None
+        self._shortened += 1
+        self._unit = step.unit + math.floor(math.log2(error.part))
 
     def _leave_out_decayed_parts(self) -> None:
         """Go on without the parts of the state that have decayed below the precision, so that steps may be longer."""
@@ -186,15 +203,15 @@ class ExactArc:
             self._motion, self._last = slow
             self._unit = self._motion.field.unit(digits, self._last)
 
-    def _search_near_guide(self, step: Step) -> bool:
+    def _search_near_guide(self, step: Step, states: Polynomial) -> bool:
         """Seek the end near that in fewer digits; True if found there, or known to lie on a later step."""
         if self._guide is None or self._guide.found is None or not self._guide.decided_by_bounds:
             return False
         near = self._guide.found
         expected = self._context.mpf(near.t) - self.t
-        if expected > self._end:
+        if expected > step.start + step.span:
             return True
-        view = _View(self._level.digits, self._motion.guards[near.guard], self.t, step, Polynomial(step))
+        view = _View(self._level.digits, self._motion.guards[near.guard], self.t, step, states)
         part, away = view.part(expected), view.part(expected * (1 + _EXPECTED)) - view.part(expected)
         low, high = part - away, part + away
         if not view.evaluate(low)[0] > 0 >= view.evaluate(high)[0]:
@@ -206,28 +223,28 @@ class ExactArc:
         self.found = found
         return True
 
-    def _search(self, step: Step) -> None:
-        """Find the first zero of a guard on a step by bounds over all of it."""
-        states, first, divided = Polynomial(step), None, False
+    def _search(self, step: Step, states: Polynomial) -> bool:
+        """Find the first zero of a guard on a step by bounds over all of it; whether pieces of it had to be cut."""
+        first, divided, undefined = None, False, False
         views = [_View(self._level.digits, guard, self.t, step, states) for guard in self._motion.guards]
         for k, view in enumerate(views):
-            leaving = len(self._steps) == 1 and k in self._entry.at
+            leaving = not self._steps and k in self._entry.at
             search = FirstRoot(view, self._context.mpf, self._eps, leaving, leaving and self._entry.folded)
             part = search.find(1.0 if first is None else float(first[0]))
-            self._largest_rates[k] = max(self._largest_rates[k], view.largest_rate)
             self.decided_by_bounds = self.decided_by_bounds and not search.decided_by_digits
             divided = divided or search.divided
             if part is not None and (first is None or part < first[0]):
-                first = part, k
-        if first is None:
-            self._largest_heights = np.maximum(self._largest_heights, [view.largest_height for view in views])
-            self._unit = min(self._unit, step.unit) if divided else self._unit
-            self._find_no_arrival(step, states)
-        elif self._context.isfinite(views[first[1]].evaluate(first[0])[0]):
-            self.found = Arrival(*views[first[1]].place(first[0]), first[1])
-            self._last_search = first[0], views
-        else:
-            self._no_arrival = f"g is not defined after t = {float(views[first[1]].place(first[0])[0]):.17g}"
+                first, undefined = (part, k), search.undefined
+        heights, rates = zip(*(view.sizes(1.0 if first is None else float(first[0])) for view in views), strict=True)
+        self._largest_heights = np.maximum(self._largest_heights, heights)
+        self._largest_rates = np.maximum(self._largest_rates, rates)
+        if first is not None:
+            t, x = views[first[1]].place(first[0])
+            if undefined:
+                self._no_arrival = f"g is not defined after t = {float(t):.17g}"
+            else:
+                self.found = Arrival(t, x, first[1])
+        return divided
 
     def _find_no_arrival(self, step: Step, states: Polynomial) -> None:
         """Note if no guard can vanish: at a pole, or, where the surfaces do not move, at rest or on a closed orbit."""
@@ -263,9 +280,9 @@ class _View:
     """The height of a guard and its rate over one step, as functions of the part of it, from 0 to 1."""
 
     def __init__(self, digits: Digits, guard: Guard, t: Any, step: Step, states: Polynomial) -> None:
-        self.largest_height = self.largest_rate = 0.0
         self._digits, self._guard, self._t, self._step, self._states = digits, guard, t, step, states
         self._begin, self.span = float(t + step.start), float(step.span)
+        self.shortest = 4 * float(np.spacing(self._begin + self.span))
 
     def part(self, elapsed: Any) -> Any:
         """Part of the step at an elapsed time of the arc."""
@@ -281,9 +298,10 @@ class _View:
         height, rate = self._guard.evaluate(self._digits, *self.place(part))
         return height, rate * self._step.span
 
-    def height_before(self, part: Any) -> float:
-        """Size of the height halfway to a part of the step."""
-        return float(np.nan_to_num(float(abs(self.evaluate(part / 2)[0]))))
+    def sizes(self, part: float) -> tuple[float, float]:
+        """Largest height, and largest rate in time, up to a part of the step."""
+        found = self.enclose(np.linspace(0.0, part, _LOOKS + 1))
+        return found.largest_height, found.largest_rate
 
     def evaluate_in_doubles(self, part: float) -> tuple[float, float]:
         """In doubles."""
@@ -292,10 +310,7 @@ class _View:
 
     def enclose(self, edges: NDArray[np.float64]) -> Enclosure:
         """Bounds over the equal pieces between the edges (m + 1,)."""
-        found = self._guard.enclose(self._begin, self.span, self._states, edges)
-        self.largest_height = max(self.largest_height, found.largest_height)
-        self.largest_rate = max(self.largest_rate, found.largest_rate)
-        return found
+        return self._guard.enclose(self._begin, self.span, self._states, edges)
 
 
 def zero_of(digits: Digits) -> Any:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from core.reference.guard import Enclosure
 
-__all__ = ["FirstRoot", "newton", "zero_between"]
+__all__ = ["FirstRoot", "TooLongError", "newton", "zero_between"]
 
 Evaluate: TypeAlias = Callable[[Any], tuple[Any, Any]]  # argument -> a function and its slope
 
@@ -26,6 +26,12 @@ _PIECES = 12
 _NARROWEST = 2.0**-44
 #: Length of a piece, as part of the step, below which the height in its middle is worked out in many digits.
 _NARROW = 2.0**-6
+#: Range of the height over the narrowest piece, as part of the largest height, above which bounds tell nothing of it.
+_WIDE = 2.0**-20
+#: Most pieces of a step that are cut again.
+_MAX_CUTS = 1024
+#: Part to which a step is to be shortened that has more.
+_SHORTER = 2.0**-4
 #: |minimum| of the height, as part of the largest, below which more digits could change its sign.
 _CLOSE = 2.0**-36
 #: Relative correction at which Newton's method in doubles ends; the root is then refined in many digits.
@@ -34,11 +40,27 @@ _DOUBLE = 1e-9
 _MAX_TRIALS = 4000
 
 
+class TooLongError(Exception):
+    """A step is too long for bounds to tell where the height vanishes.
+
+    Parameters
+    ----------
+    part : float
+        To which part of it the step is to be shortened.
+    """
+
+    def __init__(self, part: float) -> None:
+        super().__init__(f"a step is to be shortened to {part:g} of itself")
+        self.part = part
+
+
 class View(Protocol):
     """The height of a guard and its rate over a step, as functions of the part of it, from 0 to 1."""
 
     span: float
     """Length of the step in time."""
+    shortest: float
+    """Time that doubles do not tell from none."""
 
     def evaluate(self, part: Any) -> tuple[Any, Any]:
         """In many digits."""
@@ -71,14 +93,21 @@ class FirstRoot:
         self, view: View, number: Callable[[float], Any], eps: Any, leaving: bool, folded: bool = False
     ) -> None:
         self._evaluate, self._evaluate_in_doubles, self._enclose = view.evaluate, view.evaluate_in_doubles, view.enclose
-        self._span = view.span
+        self._span, self._shortest = view.span, view.shortest
         self._number, self._eps, self._leaving, self._folded = number, eps, leaving, folded
-        self._largest_height, self._before = 0.0, 1.0
+        self._largest_height, self._before, self._cuts = 0.0, 1.0, 0
         self.divided = False  #: whether a piece was cut again
+        self.undefined = False  #: whether the height is not defined after what is found
         self.decided_by_digits = False  #: whether the result hangs on round-off: more digits could change it
 
     def find(self, before: float = 1.0) -> Any | None:
-        """The first root up to `before`, or None; where bounds in doubles cannot tell, the start of that piece."""
+        """The first root up to `before`, or None; where bounds in doubles cannot tell, the start of that piece.
+
+        Raises
+        ------
+        TooLongError
+            If they cannot because the step is too long.
+        """
         self._before = before
         return self._over(0.0, 1.0)
 
@@ -107,9 +136,15 @@ class FirstRoot:
         if b - a < _NARROW and not from_surface and self._stays_above(found, k, a, b):
             return None
         if b - a < _NARROWEST:
+            if not found.height.high[k] - found.height.low[k] <= _WIDE * self._largest_height:  # or it is not defined
+                if self._span * (b - a) > self._shortest:
+                    raise TooLongError(max(a, b - a))
+                self.undefined = True
             self.decided_by_digits = True
             return self._number(a)  # the surface is touched, or left, tangentially
-        self.divided = True
+        self.divided, self._cuts = True, self._cuts + 1
+        if self._cuts > _MAX_CUTS:
+            raise TooLongError(_SHORTER)
         return self._over(a, b)
 
     def _stays_above(self, found: Enclosure, k: int, a: float, b: float) -> bool:

@@ -168,5 +168,6 @@ class Enclosure(NamedTuple):
         rates = rate[there].within(rate[here] + second_rate[there] * away)
         heights = height[there].within(height[here] + rates * away)
         with np.errstate(all="ignore"):
-            largest_height, largest_rate = (float(np.nanmax(np.abs(u.low[:m]), initial=0.0)) for u in (height, rate))
+            sizes = [np.abs(u.low[:m]) for u in (height, rate)]
+            largest_height, largest_rate = (float(np.max(u, where=np.isfinite(u), initial=0.0)) for u in sizes)
         return cls(heights, rates, second_rate[there], largest_height, largest_rate)

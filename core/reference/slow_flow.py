@@ -17,7 +17,6 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
-import mpmath
 import numpy as np
 import sympy
 from numpy.typing import NDArray
@@ -90,8 +89,9 @@ class FastPart(NamedTuple):
 
     def left_out(self, digits: Digits) -> SlowFlow | None:
         """The flow without this part; None if no projector is found."""
-        context, d, size = mpmath.MPContext(), len(self.variables), max(map(abs, self.slopes))
-        context.prec = digits.context.prec + 2 * max(0, math.ceil(sympy.log(size / self.between, 2))) + _MORE
+        d, size = len(self.variables), max(map(abs, self.slopes))
+        more = Digits.of(digits.context.prec + 2 * max(0, math.ceil(sympy.log(size / self.between, 2))) + _MORE)
+        context, rate = more.context, Program(self.field, self.variables)
         a = context.matrix([[context.mpf(int(u.p)) / int(u.q) for u in row] for row in self.slopes.tolist()])
         one = context.eye(d)
         sign = _sign(context, a + self.between * one)
@@ -100,11 +100,9 @@ class FastPart(NamedTuple):
         slow = (one + sign) / 2
         fast = context.inverse(a * (one - slow) + slow) * (one - slow)
         numbers = np.array(list(map(digits.context.mpf, fast)), dtype=object).reshape(d, d)
-        least = context.ldexp(context.mnorm(a, 1), -digits.context.prec)
-        kept = sympy.Matrix(d, d, [_exactly(u) if abs(u) > least else 0 for u in slow * a])  # without round-off
-        rest = sympy.Matrix(self.field).subs(dict.fromkeys(self.variables, 0))
-        field = tuple(kept * sympy.Matrix(self.variables) + sympy.Matrix(d, d, list(map(_exactly, slow))) * rest)
-        return SlowFlow(field, numbers, Program(self.field, self.variables))
+        b = context.matrix(rate.run(more, [context.mpf(0)] * d))
+        linear, constant = (_without_round_off(digits, slow * u, u) for u in (a, b))
+        return SlowFlow(tuple(linear * sympy.Matrix(self.variables) + constant), numbers, rate)
 
 
 def _sign(context: Any, a: Matrix) -> Matrix | None:
@@ -118,6 +116,15 @@ def _sign(context: Any, a: Matrix) -> Matrix | None:
     except ZeroDivisionError:
         pass
     return None
+
+
+def _without_round_off(digits: Digits, product: Matrix, factor: Matrix) -> sympy.Matrix:
+    """A product with a projector, in ratios; 0 for what is not above the rounding of its other factor.
+
+    What is left of a part that has decayed would else move the state, in a time without bound.
+    """
+    least = digits.context.ldexp(max(map(abs, factor)) * factor.rows, -digits.context.prec)
+    return sympy.Matrix(product.rows, product.cols, [_exactly(u) if abs(u) > least else 0 for u in product])
 
 
 def _exactly(number: Any) -> sympy.Rational:

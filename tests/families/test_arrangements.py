@@ -225,6 +225,14 @@ def agrees(run: core.Trajectory, path: Path) -> bool:
     )
 
 
+def passes_as_warned(run: core.Trajectory, path: Path, slid: Path) -> bool:
+    """Whether a run passes a corner beside which the path slides and ends, says so, and goes on as one that slides."""
+    if not (path.nearly and path.status == "SLIDING" and "solutions beside it slide" in run.warning):
+        return False
+    away = np.abs(run.x[-1] - np.array(slid.end, float)).max() if run.status.name == slid.status else 0.0
+    return bool(np.abs(run.crossings.t - float(path.times[-1])).min() < 2e-12 and away < 1e-10)
+
+
 METHODS = {
     "rk2": {"tau": 0.75}, "taylor": {}, "dmm2": {"tau": 0.4}, "gauss4": {"tau": 3.0}, "prk8": {"tau": 0.3},
 }  # fmt: skip
@@ -245,7 +253,8 @@ def test_paths_cross_the_lines_of_an_arrangement_as_in_ratios(method, sliding, d
             path, lines = exact(values, x0, sliding == "continue"), LINES.with_parameters(**values)
             run = core.integrate(lines, (0.0, float(T_END)), x0, method=method, sliding=sliding, **METHODS[method])
             ends[run.status.name] += 1
-            assert agrees(run, path), (near, values, x0, run.status.name, path.status, run.message)
+            right = agrees(run, path) or passes_as_warned(run, path, exact(values, x0, slides=True))
+            assert right, (near, values, x0, run.status.name, path.status, run.message)
     assert len(ends) > 1
 
 

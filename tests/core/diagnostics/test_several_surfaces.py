@@ -126,6 +126,23 @@ def test_a_corner_and_an_undeclared_region_are_not_transversal():
     assert np.isnan(found.rate_plus).all()
 
 
+@pytest.mark.parametrize(
+    ("beside", "sliding", "warns"),
+    [(("-1", "1"), "stop", True), (("-1", "1"), "continue", False), (("1", "1"), "stop", False)],
+)
+def test_a_run_through_a_corner_says_if_one_beside_it_would_end_by_sliding(beside, sliding, warns):
+    # Below y = 0 the field to the right of x = 0 points back to it, or not; the run meets both lines at the origin.
+    ahead = Region(("1", "1"))
+    corner = PiecewiseSystem("corner", ("x", "y"), surfaces=("x", "y"), x0=(-1.0, -1.0),
+                             regions={"--": ahead, "+-": Region(beside), "-+": ahead, "++": ahead})  # fmt: skip
+    run = core.integrate(corner, (0.0, 2.0), tau=0.3, sliding=sliding)
+    assert (run.status.name, run.crossings.kind.tolist()) == ("COMPLETED", ["corner"])
+    assert run.x[-1] == pytest.approx([1.0, 1.0])
+    assert ("x = 0 and y = 0 are met at once" in run.warning) is warns
+    near = core.integrate(corner, (0.0, 2.0), (-1.0, -1.001), tau=0.3, sliding=sliding)
+    assert (near.status.name == "SLIDING") is warns
+
+
 @pytest.mark.parametrize("name", deep_but(("chua", "two_walls", "thermostat"), sorted(core.CATALOGUE)))
 def test_every_system_of_the_catalogue_is_diagnosed(name):
     run = core.integrate(core.CATALOGUE[name], (0.0, 10.0), tau=0.02, method="rk4", record="crossings",
