@@ -56,5 +56,7 @@ def test_a_touch_is_no_crossing_before_it_either(draws):
             touches += 1
             assert list(warm.crossings.kind) == ["grazing"], case
             assert (warm.mode == 0).all(), case
-            assert warm.crossings.rate_before[0] * span[1] >= 0.0, case
+            # Rounding the height by 64 units moves the place where the rate is zero by the root of that.
+            rounded = np.sqrt(2.0 * rate**2 * abs(place) * 64 * np.finfo(float).eps * (abs(place) + abs(span[1])))
+            assert abs(warm.crossings.rate_before[0]) <= rounded, case
     assert touches
