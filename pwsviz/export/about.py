@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 
@@ -15,14 +14,10 @@ from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.permalink import digest, query
 from pwsviz.scene.scene import Scene
 from pwsviz.text.math_names import variable_name
-from pwsviz.text.numbers import printed, shortest
+from pwsviz.text.numbers import printed
 from pwsviz.text.words import at_surface, listed
 
-__all__ = ["about", "brief", "named", "release"]
-
-
-FEW_DIGITS, ROUNDED = 6, 5
-"""Significant digits up to which a caption has a number as it is, and those to which it rounds others."""
+__all__ = ["about", "named", "release"]
 
 Told = Callable[[float], str]
 """Writes a number after a sign of equality: “= 0.5”."""
@@ -31,13 +26,6 @@ Told = Callable[[float], str]
 def exact(value: float) -> str:
     """Return a number with all of its digits: “= 0.5”."""
     return f"= {repr(float(value)).removesuffix('.0')}"
-
-
-def brief(value: float) -> str:
-    """Return a number as a field shows it, “= 100/7”; rounded, “≈ 0.70711”, where that has many digits."""
-    text = shortest(float(value))
-    digits = re.sub(r"e.*|\D", "", text).strip("0")
-    return f"= {text}" if "/" in text or len(digits) <= FEW_DIGITS else f"≈ {value:.{ROUNDED}g}"
 
 
 def named(scene: Scene, heading: str) -> str:

@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 
 import core
-from pwsviz.export.about import about, brief, named, release
+from pwsviz.export.about import about, named, release
 from pwsviz.scene.equations import Law, equations, equations_of, indexed
 from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.scene import Scene
-from pwsviz.text.numbers import printed
+from pwsviz.text.numbers import brief, printed
 from pwsviz.text.words import at_surface, listed
 
 __all__ = ["caption", "short_caption"]

@@ -52,8 +52,11 @@ LOOKS: dict[str, tuple[Line, ...]] = {
 WIDEST = 4.5
 """Width in pixels of the first of several curves that are drawn together."""
 
-NARROWEST = 1.6
-"""Width of the last of them, and of a curve against time that is alone."""
+NARROWEST = 2.2
+"""Width of the last of them: its dashes are to be seen on those below, and those beside it."""
+
+ALONE = 1.6
+"""Width of a curve against time that is alone."""
 
 SLIM = 0.7
 """Widths of curves against time, relative to those of curves in the plane."""
@@ -88,7 +91,7 @@ def widths_in_time(methods: Iterable[str]) -> list[float]:
     """Return the widths of curves of integrators against time, where they wind closely."""
     lines = together(map(line_of, methods))
     alike = len(set(lines)) == 1
-    return [NARROWEST if alike else SLIM * line.width for line in lines]
+    return [ALONE if alike else SLIM * line.width for line in lines]
 
 
 LOOK_COLUMNS = ("method", "colour", "dash", "marker")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -24,17 +24,22 @@ from pwsviz.geometry.projection import (
 from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 from pwsviz.scene.equations import equations, indexed
-from pwsviz.scene.names import met_at_surfaces, readable
+from pwsviz.scene.names import met_at_surfaces, readable, short_name
 from pwsviz.text.math_names import variable_name
-from pwsviz.text.numbers import printed
+from pwsviz.text.numbers import brief, printed
 from pwsviz.text.words import as_text, listed
 
-__all__ = ["SUMMARY", "figures_of", "law_markup", "parted_words", "portrait_note", "portrait_text"]
+__all__ = [
+    "SUMMARY", "figures_of", "law_line", "law_markup", "parted_words", "portrait_note", "portrait_text",
+]  # fmt: skip
 
 FIELD = "the field"
 """What is drawn of no projection."""
 
 SUMMARY = "Phase portrait"
+
+IN_ONE_LINE, IN_TWO_LINES = 150, 320
+"""Characters of equations in a line of the header of a lecture, and in two that are a little smaller."""
 
 LONGEST = 240
 """Characters of equations below the portrait, about three lines; longer ones are in the view Scheme only."""
@@ -184,13 +189,26 @@ def law_markup(system: core.PiecewiseSystem) -> str:
     laws = indexed(equations(system))
     if len(laws) > LONGEST:
         return as_text("The equations are in the tab Scheme.", "about")
-    return "".join(POWER.sub(r"<sup>\1</sup>", as_text(_kept_together(law), "law")) for law in laws.split("; "))
+    return "".join(_with_powers(law, "law") for law in laws.split("; "))
+
+
+def law_line(system: core.PiecewiseSystem, values: Mapping[str, float]) -> str:
+    """Return equations and parameters as HTML of one paragraph for the header; empty if it has no room for them."""
+    numbers = ", ".join(f"{short_name(q)} {brief(values[q.name])}" for q in system.parameters)
+    laws = indexed("; ".join(filter(None, (equations(system), numbers))))
+    kind = "law short" if len(laws) <= IN_ONE_LINE else "law"
+    return _with_powers(laws, kind) if len(laws) <= IN_TWO_LINES else ""
+
+
+def _with_powers(law: str, kind: str) -> str:
+    """Return a paragraph with equations, their exponents raised."""
+    return POWER.sub(r"<sup>\1</sup>", as_text(_kept_together(law), kind))
 
 
 def _kept_together(law: str) -> str:
     """Return the equations of a law with spaces that do not break within them, and without dots that tell nothing."""
     law = BY_NAME.sub(r"\1", BY_FUNCTION.sub("\\1\N{NARROW NO-BREAK SPACE}", law))
-    each = re.split(r"(?<=[,:]) ", law)
+    each = re.split(r"(?<=[,:;]) ", law)
     return " ".join(one.replace(" ", "\N{NO-BREAK SPACE}") if len(one) <= UNBROKEN else one for one in each)
 
 

@@ -19,13 +19,14 @@ from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
 from pwsviz.page.headline import Headline
 from pwsviz.page.help import ABOUT, CITATION, Help
-from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, STACK_CSS, TABS_SX
+from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, NOT_IN_LECTURES, STACK_CSS, TABS_SX
 from pwsviz.page.pieces import pieces_of
 from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.history import History
+from pwsviz.scene.names import named_settings
 from pwsviz.scene.permalink import adopt, query
 from pwsviz.scene.presets import Preset
 from pwsviz.scene.scene import Scene
@@ -252,6 +253,14 @@ class Explorer(pn.viewable.Viewer):
         """Tell screen readers how the computation of the view has ended."""
         self.announcer.tell_of_view(f"{VIEWS[self.scene.view].title}: {words}")
 
+    def _undo(self) -> None:
+        if changed := self.history.undo():
+            self.announcer.tell_of_page(f"Undone: {named_settings(changed)}.")
+
+    def _redo(self) -> None:
+        if changed := self.history.redo():
+            self.announcer.tell_of_page(f"Redone: {named_settings(changed)}.")
+
     def _refresh_export(self) -> None:
         if "export" in vars(self):  # made with the rest of the page
             self.export.refresh()
@@ -357,12 +366,13 @@ class Explorer(pn.viewable.Viewer):
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
         page.jscallback(dark_theme=REMEMBER_DARK)
         keys = {
-            "undo": self.history.undo,
-            "redo": self.history.redo,
+            "undo": self._undo,
+            "redo": self._redo,
             "help": lambda: self.help.open(self.lecture.large),
         }
         self.browser.on_msg(lambda event: keys[event.data]())
         self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large && innerWidth >= {NARROW}")
+        self.lecture.param.watch(lambda event: self.headline.give_lecture(event.new), "large")
         page.main.extend([self.browser, self.lecture, self.announcer])
         pn.state.onload(self._furnish)
         return page
@@ -375,16 +385,25 @@ class Explorer(pn.viewable.Viewer):
             self._views.objects = [self.tabs, self.editing, self.export, self.help]
 
     def _header(self) -> list[Any]:
-        undo = pmui.IconButton(icon="undo", description="Undo (Ctrl+Z)", size="small", margin=(4, 0, 4, 4))
-        undo.on_click(lambda _: self.history.undo())
-        redo = pmui.IconButton(icon="redo", description="Redo (Ctrl+Y)", size="small", margin=(4, 4, 4, 0))
-        redo.on_click(lambda _: self.history.redo())
+        undo = pmui.IconButton(
+            icon="undo", description="Undo (Ctrl+Z)", size="small", margin=(4, 0, 4, 4), sx=NOT_IN_LECTURES
+        )
+        undo.on_click(lambda _: self._undo())
+        redo = pmui.IconButton(
+            icon="redo", description="Redo (Ctrl+Y)", size="small", margin=(4, 4, 4, 0), sx=NOT_IN_LECTURES
+        )
+        redo.on_click(lambda _: self._redo())
         self.history.param.watch(kept(undo, disabled=lambda: not self.history.can_undo), "can_undo")
         self.history.param.watch(kept(redo, disabled=lambda: not self.history.can_redo), "can_redo")
         for button, other in ((undo, redo), (redo, undo)):
             hand_on(button, other)
         export = pmui.Button(
-            label="Export & share", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX
+            label="Export & share",
+            icon="ios_share",
+            variant="text",
+            size="small",
+            margin=4,
+            sx=HEADER_SX | NOT_IN_LECTURES,
         )
         export.on_click(lambda _: self.export.open(self._page_address()))
         ask = pmui.IconButton(icon="help_outline", description="Help (?)", size="small", margin=4)

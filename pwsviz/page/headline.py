@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from html import escape
 
+from param.parameterized import Watcher
+
+from pwsviz.figures.portrait_text import law_line
 from pwsviz.page.help import ABOUT, GREETING, GREETING_CSS
 from pwsviz.page.look import TAGLINE_CSS
 from pwsviz.scene.presets import Preset
@@ -19,7 +22,7 @@ class Headline:
     Attributes
     ----------
     tagline
-        In the header: what the page is; in a lecture, which leaves out the controls, the name of the system.
+        In the header: what the page is; in a lecture, which leaves out the controls, the system.
     greeting
         Above a narrow portrait, as the controls are out of sight there: what the page is, and what to try; once a
         system is chosen its name, and with an example what to look at.
@@ -27,10 +30,18 @@ class Headline:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
+        self._of_lecture: Watcher | None = None
         self.tagline, self.greeting = markup_pane(TAGLINE_CSS), markup_pane(GREETING_CSS)
         self.greeting.object = GREETING
         self._write_tagline()
         scene.param.watch(lambda *_: self.show(), ["system", "own"])
+
+    def give_lecture(self, begun: bool) -> None:
+        """Show the laws and the values of the parameters as long as a lecture lasts."""
+        if self._of_lecture is not None:
+            self.scene.param.unwatch(self._of_lecture)
+        self._of_lecture = self.scene.param.watch(lambda *_: self._write_tagline(), "values") if begun else None
+        self._write_tagline()
 
     def show(self, preset: Preset | None = None) -> None:
         """Show the name of the system, and what to look at in an example that has just been loaded."""
@@ -42,4 +53,5 @@ class Headline:
 
     def _write_tagline(self) -> None:
         name = escape(self.scene.declaration.name)
-        self.tagline.object = f'<p>{escape(ABOUT)}</p><p class="name">{name}</p>'
+        laws = law_line(self.scene.declaration, self.scene.values) if self._of_lecture is not None else ""
+        self.tagline.object = f'<p>{escape(ABOUT)}</p><div class="lecture"><b>{name}</b>{laws}</div>'

@@ -6,7 +6,7 @@ from pwsviz.page.cover import COLUMNS
 from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.panes import PLAIN_SX
 
-__all__ = ["ABOUT_CSS", "GRID_CSS", "HEADER_SX", "STACK_CSS", "TABS_SX", "TAGLINE_CSS"]
+__all__ = ["ABOUT_CSS", "GRID_CSS", "HEADER_SX", "NOT_IN_LECTURES", "STACK_CSS", "TABS_SX", "TAGLINE_CSS"]
 
 GRID_CSS = f"""
 :host {{ {COLUMNS} height: auto !important; max-height: none !important; container-type: inline-size; }}
@@ -45,12 +45,18 @@ footer a { color: inherit; }
 """.replace("NARROW", str(NARROW))
 
 TAGLINE_CSS = """
-p { font-size: 0.8125rem; line-height: 1.3; max-width: 64ch; margin: 0 0 0 12px;
-    color: var(--mui-palette-text-secondary); display: var(--usual, block); }
-p.name { font-size: 1rem; color: var(--mui-palette-text-primary); display: var(--lecture, none); }
-@media (width < 1150px) { p, p.name { display: none; } }
+p, .lecture { font-size: 0.8125rem; line-height: 1.3; margin: 0 0 0 12px; }
+p { max-width: 64ch; color: var(--mui-palette-text-secondary); display: var(--usual, block); }
+.lecture { color: var(--mui-palette-text-primary); display: var(--lecture, none); }
+.lecture .law { display: inline; font-size: min(1em, 1.1vw); color: inherit; margin-left: 1em; }
+.lecture .short { font-size: 1em; }
+.lecture sup { line-height: 0; font-size: 0.75em; }
+@media (width < 1150px) { p, .lecture { display: none; } }
 """
 """What the page is, in its header; where that has no room, in the footer, or above a narrow portrait. A lecture sets
 `--usual` and `--lecture`."""
+
+NOT_IN_LECTURES = {"&&": {"display": "var(--usual, inline-flex)"}}
+"""Of a button that a lecture does without."""
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"

@@ -101,7 +101,7 @@ class Sidebar(pn.viewable.Viewer):
             "Examples",
             description="Scenes to start from: the figures of the paper, and others.",
             value="",
-            options={"choose …": "", **_titles()},
+            groups=_titles(),
             css_classes=[CHOOSER],
         )
         self.presets.param.watch(self._load, "value")
@@ -300,10 +300,12 @@ class Sidebar(pn.viewable.Viewer):
         )  # fmt: skip
 
 
-def _titles() -> dict[str, str]:
-    """Return the examples beyond the paper, and then its figures, for whoever looks for these."""
-    listed = sorted(PRESETS.items(), key=lambda item: bool(item[1].figure))
-    return {preset.title: key for key, preset in listed}
+def _titles() -> dict[str, dict[str, str]]:
+    """Return the examples by title: those beyond the paper, and its figures for whoever looks for these."""
+    listed: dict[str, dict[str, str]] = {"To explore": {"choose …": ""}, "Figures of the paper": {}}
+    for key, preset in PRESETS.items():
+        listed["Figures of the paper" if preset.figure else "To explore"][preset.title] = key
+    return listed
 
 
 def _plane_name(system: core.PiecewiseSystem, axes: Axes) -> str:

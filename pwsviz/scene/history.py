@@ -60,23 +60,27 @@ class History(param.Parameterized):
         if held != self._held:
             self._held, self._gesture = held, _NONE
 
-    def undo(self) -> None:
-        """Undo the last gesture, if there is one."""
-        if self._past:
-            *earlier, before = self._past
-            self._go(before, earlier, [*self._future, self._now])
+    def undo(self) -> list[str]:
+        """Undo the last gesture, if there is one; returns the settings that change."""
+        if not self._past:
+            return []
+        *earlier, before = self._past
+        return self._go(before, earlier, [*self._future, self._now])
 
-    def redo(self) -> None:
-        """Redo what the last `undo` undid, unless a change has been made since."""
-        if self._future:
-            *later, after = self._future
-            self._go(after, [*self._past, self._now], later)
+    def redo(self) -> list[str]:
+        """Redo what the last `undo` undid, unless a change has been made since; returns the settings that change."""
+        if not self._future:
+            return []
+        *later, after = self._future
+        return self._go(after, [*self._past, self._now], later)
 
-    def _go(self, settings: dict[str, Any], past: list[dict[str, Any]], future: list[dict[str, Any]]) -> None:
+    def _go(self, settings: dict[str, Any], past: list[dict[str, Any]], future: list[dict[str, Any]]) -> list[str]:
+        changed = [name for name, value in _without_view(settings).items() if value != self._now[name]]
         self.scene.restore(_without_view(settings))
         self._past, self._future, self._held = past, future, False  # what was held may be gone
         self._now, self._gesture = self.scene.settings(), _NONE
         self.param.update(can_undo=bool(past), can_redo=bool(future))
+        return changed
 
 
 def _without_view(settings: dict[str, Any]) -> dict[str, Any]:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import core
 from pwsviz.scene.views import VIEWS
 from pwsviz.text.math_names import unicode_name, variable_name
 from pwsviz.text.numbers import RAISED
+from pwsviz.text.words import listed
 
 LABELS: Mapping[str, str] = {
-    "system": "System", "own": "Your own system", "starts": "Starts", "selected": "Selected start",
-    "axes": "Portrait in the plane of", "window": "Limits of the portrait", "methods": "Integrators",
-    "tau": "Step size τ", "tolerance": "Tolerance of taylor", "t_end": "End time",
-    "locate": "Locate crossings (transition scheme)", "slide": "Slide along the surface (Filippov)",
+    "system": "System", "own": "Your own system", "values": "Parameters", "starts": "Starts",
+    "selected": "Selected start", "axes": "Portrait in the plane of", "window": "Limits of the portrait",
+    "methods": "Integrators", "tau": "Step size τ", "tolerance": "Tolerance of taylor",
+    "t_end": "End time", "locate": "Locate crossings (transition scheme)",
+    "slide": "Slide along the surface (Filippov)",
     "perturbation_order": "Perturb crossing times by c·τᵖ; order p", "perturbation_scale": "Factor c",
     "view": "View", "study_method": "Integrator of the view", "peers": "External solvers",
     "cost_across": "Horizontal axis of Cost", "cost_up": "Vertical axis of Cost",
@@ -65,6 +67,13 @@ def met_at_surfaces(system: core.PiecewiseSystem) -> str:
         for way in ways
     }
     return " and ".join(word for jump, word in ((False, "crossings"), (True, "jumps")) if jump in (jumps or {False}))
+
+
+def named_settings(settings: Collection[str]) -> str:
+    """Return in words which settings these are; another system, which brings its own values of the others, alone."""
+    if "system" in settings or "own" in settings:
+        return LABELS["system"]
+    return listed(list(dict.fromkeys(LABELS.get(name, "Settings of the view") for name in settings)))
 
 
 def choice_name(setting: str, choice: object) -> str:

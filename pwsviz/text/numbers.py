@@ -7,7 +7,7 @@ import re
 from decimal import Decimal
 from fractions import Fraction
 
-__all__ = ["PRINTED", "RAISED", "printed", "shortest"]
+__all__ = ["PRINTED", "RAISED", "brief", "printed", "shortest"]
 
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+")
 """Characters of an exponent, raised; a plus sign is left out."""
@@ -20,6 +20,9 @@ MANY_DIGITS = 10
 
 LARGEST_DENOMINATOR = 999
 """Of such a ratio: a number that is none of these is closer to one of them than 1e-16 only by a rare chance."""
+
+FEW_DIGITS, ROUNDED = 6, 5
+"""Significant digits up to which a caption has a number as it is, and those to which it rounds others."""
 
 _QUOTED = r"“[^”]*”|(?<!\w)'[^']*'(?!\w)"
 """What a message quotes, and so has to stay as it was typed."""
@@ -46,6 +49,13 @@ def shortest(value: float) -> str:
     ratio = Fraction(value).limit_denominator(LARGEST_DENOMINATOR)
     text = f"{ratio.numerator}/{ratio.denominator}"
     return text if ratio.numerator / ratio.denominator == value and len(text) <= MANY_DIGITS else digits
+
+
+def brief(value: float) -> str:
+    """Return a number as a field shows it, “= 100/7”; rounded, “≈ 0.70711”, where that has many digits."""
+    text = shortest(float(value))
+    digits = re.sub(r"e.*|\D", "", text).strip("0")
+    return f"= {text}" if "/" in text or len(digits) <= FEW_DIGITS else f"≈ {value:.{ROUNDED}g}"
 
 
 def printed(text: str) -> str:

@@ -15,7 +15,8 @@ def as_text(words: str, kind: str = "") -> str:
     if not words:
         return ""
     role = ' role="alert"' if kind == "error" else ""
-    return f'<p class="{kind}"{role}>{escape(printed(words))}</p>'
+    markup = escape(printed(words)).replace("|Δψ|", '<span style="white-space: nowrap">|Δψ|</span>')
+    return f'<p class="{kind}"{role}>{markup}</p>'
 
 
 def listed(names: Sequence[str]) -> str:

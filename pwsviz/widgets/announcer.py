@@ -24,7 +24,8 @@ UNSEEN = """
 class Announcer(pn.custom.JSComponent):
     """Invisible: says politely what was told last of the portrait, and of the view beside it."""
 
-    portrait = param.List(default=[], doc="Words about the runs of the portrait, and how often there were any.")
+    page = param.List(default=[], doc="Words about the page itself, and how often there were any.")
+    portrait = param.List(default=[], doc="The same about the runs of the portrait.")
     view = param.List(default=[], doc="The same about the view beside it.")
 
     _esm = """
@@ -39,7 +40,7 @@ export function render({ model, el }) {
     clearTimeout(end)
     end = setTimeout(() => region.replaceChildren(), KEPT)
   }
-  for (const source of ["portrait", "view"]) {
+  for (const source of ["page", "portrait", "view"]) {
     const take = () => {
       if (model[source].length == 0) return
       news.set(source, model[source][0])
@@ -62,6 +63,10 @@ export function render({ model, el }) {
 }
 """.replace("RESTS", str(RESTS)).replace("KEPT", str(KEPT))
     _stylesheets: ClassVar[list[str]] = [UNSEEN]
+
+    def tell_of_page(self, words: str) -> None:
+        """Say something of the page itself."""
+        self.page = _next(self.page, words)
 
     def tell_of_portrait(self, words: str) -> None:
         """Say something of the runs of the portrait."""

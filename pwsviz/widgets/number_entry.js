@@ -35,6 +35,7 @@ function render({ model, el }) {
       note.textContent = model.complaint || model.note
       if (typed && model.complaint) note.scrollIntoView({ block: "nearest" })
     }
+    note.setAttribute("aria-label", `${model.label}, as read`)
     note.className = model.complaint ? "note refused" : "note"
     slider.hidden = model.ends == null
     slider.setAttribute("aria-label", `${model.label}, slider`)

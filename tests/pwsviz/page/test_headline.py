@@ -9,10 +9,26 @@ def test_a_fresh_page_says_what_it_is_and_another_system_has_its_name_there():
     scene = Scene()
     head = Headline(scene)
     assert "Tap in the portrait" in head.greeting.object
-    assert head.tagline.object.endswith('<p class="name">Elliptic curve</p>')
+    assert head.tagline.object.endswith("<b>Elliptic curve</b></div>")
     scene.system = "kepler"
     assert head.greeting.object == '<p class="greeting"><b>Kepler with a shell</b></p>'
-    assert head.tagline.object.endswith('<p class="name">Kepler with a shell</p>')
+    assert head.tagline.object.endswith("<b>Kepler with a shell</b></div>")
+
+
+def test_a_lecture_tells_the_laws_and_the_parameters_as_they_change():
+    scene = Scene()
+    head = Headline(scene)
+    head.give_lecture(begun=True)
+    assert "g\xa0&lt;\xa00: x′\xa0=\xa02y" in head.tagline.object
+    assert "a₋\xa0=\xa0−3" in head.tagline.object
+    scene.values = {**scene.values, "a_minus": -2.5}
+    assert "a₋\xa0=\xa0−2.5" in head.tagline.object
+    scene.system = "three_bodies"
+    assert head.tagline.object.endswith("</b></div>"), "the header has no room for its laws"
+    scene.system = "elliptic_curve"
+    head.give_lecture(begun=False)
+    scene.values = {**scene.values, "a_minus": -2.0}
+    assert head.tagline.object.endswith("<b>Elliptic curve</b></div>")
 
 
 def test_an_example_says_what_to_look_at_until_another_system_is_chosen(explorer):

@@ -4,6 +4,7 @@ import pytest
 
 import core
 from pwsviz.scene.history import MAX_STEPS_BACK, History
+from pwsviz.scene.names import named_settings
 from pwsviz.scene.scene import Scene
 
 
@@ -155,3 +156,17 @@ def test_what_follows_a_gesture_that_took_itself_back_is_a_gesture_of_its_own(hi
     scene.accept("t_end", 3.0)
     history.undo()
     assert (scene.tau, scene.t_end == 3.0) == (0.02, False)
+
+
+def test_it_tells_which_settings_go_back(history, clock):
+    scene = history.scene
+    for name, value, words in (
+        ("tau", 0.02, "Step size τ"),
+        ("x0", (0.5, 0.5), "Starts"),
+        ("system", "kepler", "System"),
+    ):
+        clock.now += 5
+        scene.accept(name, value)
+        assert named_settings(history.undo()) == words
+        assert named_settings(history.redo()) == words
+    assert history.redo() == []
