@@ -17,13 +17,16 @@ from pwsviz.figures.style import HEIGHT
 from pwsviz.page.help import GREETING, GREETING_CSS
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
-from pwsviz.widgets.browser import IS_DARK, NARROW
+from pwsviz.widgets.browser import CRAMPED, IS_DARK, LOW, NARROW
 
-__all__ = ["COLUMNS", "SIDEBAR_WIDTH", "Cover", "portrait_of_a_fresh_page"]
+__all__ = ["COLUMNS", "LEAST", "SIDEBAR_WIDTH", "Cover", "portrait_of_a_fresh_page"]
 
 COLUMNS = """display: grid !important; gap: 8px 20px; grid-auto-rows: max-content; align-items: start;
-    grid-template-columns: repeat(auto-fit, minmax(min(100%, max(430px, 50% - 10px)), 1fr));"""
+    grid-template-columns: repeat(auto-fit, minmax(min(100%, max(var(--column, 430px), 50% - 10px)), 1fr));"""
 """CSS of a portrait and the view beside it: two columns at most, one where the screen is narrow."""
+
+LEAST = 340
+"""Least width of a column in pixels on a screen that is low, such as a phone's on its side."""
 
 TONES = "\n".join(f'#cover.dark [stroke="{colour}"] {{ stroke: {tone} }}' for colour, tone in ON_DARK.items())
 """CSS of the lines of the picture on a dark page."""
@@ -54,6 +57,7 @@ TONES
 @media (width < NARROWpx) {
   #cover aside { display: none; } #cover main { margin-left: 16px; }
   #cover figure { margin-top: 33px; } #cover header { padding-left: 60px; } }
+@media (height < LOWpx) { #cover aside { display: none; } #cover main { margin-left: 16px; --column: LEASTpx; } }
 </style>
 <div id="cover" aria-hidden="true">
 <header>pwsviz</header>
@@ -68,12 +72,12 @@ GREETING
   const painted = () => window.Bokeh?.index?.query_one?.(view => view.model.type == "Figure" && view.is_idle) != null
   const told = () => Bokeh.documents[0]?.roots().find(root => "sidebar_open" in (root.data ?? {}))?.data
   // The page learns from the browser that it is dark or narrow, and takes a moment to change its colours or controls.
-  const fits = page => page?.dark_theme == dark && page.sidebar_open == innerWidth >= NARROW
+  const fits = page => page?.dark_theme == dark && page.sidebar_open == !CRAMPED
   const furnished = () => Bokeh.index.query_one(view => view.model.type.endsWith("Select")) != null
   const lift = () => {
     if (performance.now() - begun > 30000 || cover.matches(".lifted") && furnished()) { return cover.remove() }
     const lifted = () => cover.classList.add("lifted")
-    if (painted() && fits(told())) { setTimeout(lifted, dark || innerWidth < NARROW ? 400 : 0) }
+    if (painted() && fits(told())) { setTimeout(lifted, dark || CRAMPED ? 400 : 0) }
     requestAnimationFrame(lift)
   }
   lift()
@@ -114,7 +118,8 @@ class Cover:
 MARKUP_OF_THE_PAGE = (
     MARKUP.replace("TONES", TONES).replace("GREETING_CSS", GREETING_CSS).replace("GREETING", GREETING)
     .replace("COLUMNS", COLUMNS).replace("SIDEBAR", str(SIDEBAR_WIDTH)).replace("HEIGHT", HEIGHT)
-    .replace("NARROW", str(NARROW)).replace("IS_DARK", IS_DARK)
+    .replace("NARROW", str(NARROW)).replace("CRAMPED", CRAMPED)
+    .replace("LOW", str(LOW)).replace("LEAST", str(LEAST)).replace("IS_DARK", IS_DARK)
 )  # fmt: skip
 
 

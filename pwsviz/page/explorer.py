@@ -37,7 +37,7 @@ from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import as_text, failure
 from pwsviz.widgets.announcer import Announcer
-from pwsviz.widgets.browser import NARROW, REMEMBER_DARK, Browser
+from pwsviz.widgets.browser import CRAMPED, REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.kept import kept
@@ -132,9 +132,7 @@ class Explorer(pn.viewable.Viewer):
     def sidebar(self) -> Sidebar:
         """The controls."""
         sidebar = Sidebar(self.scene, self.edit, self._call_with_pictures, self._take_preset)
-        sidebar.presets.jscallback(
-            value=f"if (cb_obj.value != '' && innerWidth < {NARROW}) {THE_PAGE}.sidebar_open = false"
-        )
+        sidebar.presets.jscallback(value=f"if (cb_obj.value != '' && {CRAMPED}) {THE_PAGE}.sidebar_open = false")
         return sidebar
 
     @cached_property
@@ -371,7 +369,7 @@ class Explorer(pn.viewable.Viewer):
             "help": lambda: self.help.open(self.lecture.large),
         }
         self.browser.on_msg(lambda event: keys[event.data]())
-        self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large && innerWidth >= {NARROW}")
+        self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large && !{CRAMPED}")
         self.lecture.param.watch(lambda event: self.headline.give_lecture(event.new), "large")
         page.main.extend([self.browser, self.lecture, self.announcer])
         pn.state.onload(self._furnish)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pwsviz.page.cover import COLUMNS
-from pwsviz.widgets.browser import NARROW
+from pwsviz.page.cover import COLUMNS, LEAST
+from pwsviz.widgets.browser import LOW, NARROW
 from pwsviz.widgets.panes import PLAIN_SX
 
 __all__ = ["ABOUT_CSS", "GRID_CSS", "HEADER_SX", "NOT_IN_LECTURES", "STACK_CSS", "TABS_SX", "TAGLINE_CSS"]
@@ -11,6 +11,7 @@ __all__ = ["ABOUT_CSS", "GRID_CSS", "HEADER_SX", "NOT_IN_LECTURES", "STACK_CSS",
 GRID_CSS = f"""
 :host {{ {COLUMNS} height: auto !important; max-height: none !important; container-type: inline-size; }}
 @media (width < {NARROW}px) {{ :host {{ row-gap: 2px; }} }}
+@media (height < {LOW}px) {{ :host {{ --column: {LEAST}px; }} }}
 @container (min-width: 880px) {{ .portrait {{ position: sticky; top: 0; }} }}
 """
 """Beside a long view that scrolls, the portrait stays in sight; above one it does not."""

@@ -12,8 +12,11 @@ from pwsviz.widgets.dialog import KEEP_FOCUS
 from pwsviz.widgets.dropdown import CHOOSER
 from pwsviz.widgets.panes import FADED
 
-NARROW = 600
-"""Pixels of window width below which the controls start hidden, as they would cover the picture."""
+NARROW, LOW = 600, 480
+"""Pixels of window width and height below which the controls start hidden, as they would cover or press the picture."""
+
+CRAMPED = f"(innerWidth < {NARROW} || innerHeight < {LOW})"
+"""JavaScript of whether they do."""
 
 PATIENCE = 3000
 """Milliseconds for which a picture that is to be replaced is faded, unless the server does it."""
@@ -262,7 +265,7 @@ const keep_known = document => {
 }
 export function render({ model }) {
   Bokeh.documents.forEach(keep_known)
-  model.narrow = window.innerWidth < NARROW
+  model.narrow = CRAMPED
   model.dark = (IS_DARK)()
   const press = event => {
     const field = event.composedPath().find(node => node.tagName == "INPUT" && node.type == "text"
@@ -301,7 +304,7 @@ export function render({ model }) {
   name()
   if (model.query != "") write()  // the scene is not what the link asked for
 }
-""".replace("NARROW", str(NARROW))
+""".replace("CRAMPED", CRAMPED)
         .replace("IS_DARK", IS_DARK)
         .replace("FIND", FIND)
         .replace("KEEP_FOCUS", KEEP_FOCUS)

@@ -353,3 +353,13 @@ def test_a_lecture_names_the_system_in_place_of_what_the_page_is(visit):
     assert becomes(page, lambda: (name.is_visible(), purpose.is_visible()) == (True, False))
     page.keyboard.press("Escape")
     assert becomes(page, lambda: (name.is_visible(), purpose.is_visible()) == (False, True))
+
+
+@pytest.mark.deep
+def test_on_a_phone_on_its_side_portrait_and_view_stand_side_by_side(visit):
+    page = visit(844, 390)
+    portrait, view = (await_painted(page, name).bounding_box() for name in ("Phase portrait", "conserved quantity"))
+    assert becomes(page, lambda: not page.locator(".sidebar").get_by_label("Examples").is_visible())
+    assert portrait["x"] + portrait["width"] <= view["x"]
+    assert view["x"] + view["width"] <= 844
+    assert portrait["y"] + portrait["height"] <= 390
