@@ -118,8 +118,8 @@ class FirstRoot:
             found = self._enclose(edges)
         self._largest_height = max(self._largest_height, found.largest_height)
         first = edges[:-1] == 0
-        safe = (found.rate.low > 0) | ((found.height.low > 0) & ~(self._leaving & first))
-        safe |= self._folded & first & (found.second_rate.low > 0)
+        rising = found.is_bounded & ((found.rate.low > 0) | (self._folded & first & (found.second_rate.low > 0)))
+        safe = rising | ((found.height.low > 0) & ~(self._leaving & first))
         for k in range(_PIECES):
             if not safe[k] and edges[k] <= self._before:
                 root = self._piece(found, k, edges[k], edges[k + 1])
@@ -129,9 +129,10 @@ class FirstRoot:
 
     def _piece(self, found: Enclosure, k: int, a: float, b: float) -> Any | None:
         from_surface = self._leaving and a == 0
-        if not from_surface and (found.rate.high[k] < 0 or found.second_rate.high[k] < 0):
+        smooth = found.is_bounded[k] and not from_surface
+        if smooth and (found.rate.high[k] < 0 or found.second_rate.high[k] < 0):
             return self._root_if_falling(a, b)
-        if not from_surface and found.second_rate.low[k] > 0:
+        if smooth and found.second_rate.low[k] > 0:
             return self._root_if_convex(a, b)
         if b - a < _NARROW and not from_surface and self._stays_above(found, k, a, b):
             return None

@@ -159,6 +159,11 @@ class Enclosure(NamedTuple):
     largest_height: float
     largest_rate: float
 
+    @property
+    def is_bounded(self) -> NDArray[np.bool_]:
+        """Over which pieces (m,) the height has no pole, beyond which it would not go on as its rate tells."""
+        return np.isfinite(self.height.low) & np.isfinite(self.height.high)
+
     @classmethod
     def of(cls, height: Interval, rate: Interval, second_rate: Interval, half: NDArray[np.float64]) -> Enclosure:
         """From bounds in the middle of each piece (the first m) and over all of it; `half` is half its time, (m,)."""

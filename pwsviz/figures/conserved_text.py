@@ -78,10 +78,7 @@ def meaning(curves: Sequence[ErrorCurve], met: str, round_off: bool = True) -> s
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         when = "so far" if round_off_grows(curves[0]) else "in the run"
-        words += [
-            f"The round-off line is {LEVEL} times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}, "
-            "summed over all variables"
-        ] * round_off
+        words += [f"The round-off line is {LEVEL} times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}"] * round_off
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
     if any(np.nanmax(curve.error, initial=0.0) >= CEILING for curve in curves):

@@ -38,10 +38,13 @@ FIELD = "the field"
 
 SUMMARY = "Phase portrait"
 
+ROUNDING = 1e-12
+"""Part of the largest coordinate below which a number is 0 but for rounding."""
+
 IN_ONE_LINE, IN_TWO_LINES = 150, 320
 """Characters of equations in a line of the header of a lecture, and in two that are a little smaller."""
 
-LONGEST = 240
+LONGEST = 300
 """Characters of equations below the portrait, about three lines; longer ones are in the view Scheme only."""
 
 FEW_PLACES = 4
@@ -68,12 +71,15 @@ def _shape(orbit: Orbit, across: str, up: str) -> str:
     """Return how far a curve reaches, and where it meets a surface, in sentences."""
     if not np.isfinite(orbit.path).any():
         return ""
-    (x_low, y_low), (x_high, y_high) = np.nanmin(orbit.path, axis=0), np.nanmax(orbit.path, axis=0)
+    ends = np.array([np.nanmin(orbit.path, axis=0), np.nanmax(orbit.path, axis=0)])
+    least = ROUNDING * np.abs(ends).max(axis=0)
+    (x_low, y_low), (x_high, y_high) = np.where(np.abs(ends) > least, ends, 0.0).tolist()
     reach = f"{across} from {x_low:.3g} to {x_high:.3g}, {up} from {y_low:.3g} to {y_high:.3g}"
-    places = [f"({a:.3g}, {b:.3g})" for a, b in (orbit.crossings[:FEW_PLACES] + 0.0).tolist()]
+    met = orbit.crossings[:FEW_PLACES]
+    places = [f"({a:.3g}, {b:.3g})" for a, b in np.where(np.abs(met) > least, met, 0.0).tolist()]
     more = ["elsewhere"] * (len(orbit.crossings) > FEW_PLACES)
-    met = f" It meets a surface at {listed([*places, *more])}." * bool(places)
-    return printed(f"The curve of {orbit.method} goes through {reach}.{met}")
+    where = f" It meets a surface at {listed([*places, *more])}." * bool(places)
+    return printed(f"The curve of {orbit.method} goes through {reach}.{where}")
 
 
 def marks_text(pictures: Pictures) -> str:
@@ -193,11 +199,17 @@ def law_markup(system: core.PiecewiseSystem) -> str:
 
 
 def law_line(system: core.PiecewiseSystem, values: Mapping[str, float]) -> str:
-    """Return equations and parameters as HTML of one paragraph for the header; empty if it has no room for them."""
+    """Return equations and parameters as HTML for the header, with reset maps if these leave the type large.
+
+    It is empty if the header has no room for them.
+    """
     numbers = ", ".join(f"{short_name(q)} {brief(values[q.name])}" for q in system.parameters)
-    laws = indexed("; ".join(filter(None, (equations(system), numbers))))
-    kind = "law short" if len(laws) <= IN_ONE_LINE else "law"
-    return _with_powers(laws, kind) if len(laws) <= IN_TWO_LINES else ""
+    parts = [*indexed(equations(system)).split("; "), *filter(None, [numbers])]
+    if sum(map(len, parts)) > IN_ONE_LINE:
+        parts = [one for one in parts if not one.startswith("reset map")]
+    length = sum(map(len, parts))
+    kind = "law short" if length <= IN_ONE_LINE else "law"
+    return "".join(_with_powers(one, kind) for one in parts) if length <= IN_TWO_LINES else ""
 
 
 def _with_powers(law: str, kind: str) -> str:
@@ -227,7 +239,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = Fals
         sentences.append("The surfaces move, and the regions between them: their fields and level sets are not drawn.")
     if moves(system) and shows_surface(system, axes):
         animated = ", and while animated at the time shown" * (not caption)
-        sentences.append(f"The surface moves with time: it is drawn, and the regions are, at t = 0{animated}.")
+        sentences.append(f"The surface moves with time; it and the regions are shown at t = 0{animated}.")
     elif forced(system) and system.dimension == PLANE:
         sentences.append("The field depends on time: it is drawn at t = 0.")
     if system.dimension == PLANE and psi_names_time(system):
@@ -250,7 +262,7 @@ def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
     )
     if alike:
         marks = f"marks of {met_at_surfaces(system)} refer to {plane}"
-        thin = "Thin lines" if len(alike) == 1 else "Lines, each thinner than the one before,"
+        thin = "Thin lines" if len(alike) == 1 else "Successively thinner lines"
         words += f" {thin} show {listed([f'({one})' for one in alike])}; discs mark where they start; {marks}."
     return words
 

@@ -347,8 +347,8 @@ def _write_transition(
 
 def _write_sliding(sheet: EquationSheet) -> None:
     sheet.say(
-        "Where both fields point to the surface, the state slides along it, with the combination of both that keeps g "
-        "(Filippov), until ġ₋ or ġ₊ vanishes, the rates of g along f₋ and f₊:"
+        "Where both fields point to the surface, the state slides along it, with the combination of both that keeps "
+        "g = 0 (Filippov), until ġ₋ or ġ₊ vanishes, the rates of g along f₋ and f₊:"
     )
     names = {Symbol(name): name for name in (r"\dot{g}_{-}", r"\dot{g}_{+}", "f_{-}", "f_{+}")}
     (below, above, minus, plus), sheet.names = names, names

@@ -63,7 +63,8 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     methods = listed(study.methods)
     if part == "map":
         start = printed(f"{variable_name(study.coordinate_name)} = {study.x0[study.coordinate]:.6g}")
-        lines = f", and {_lines(study)} for {start} at the start alone" * draws_lines(study)
+        drawn = study.largest_tau if draws_lines(study) else None
+        lines = f", and {_lines(study)} only to the start {start}, {_until(study, drawn)}" if drawn is not None else ""
         return f"each cell represents a run of {method} to t = {study.t_span[1]:.6g}{lines}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
@@ -72,9 +73,9 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
 
 
 def _lines(study: core.StabilityStudy) -> str:
-    """Return “the line holds”, or “the lines hold”, of largest step sizes."""
+    """Return “the line refers”, or “the lines refer”, of largest step sizes."""
     several = study.largest_tau is not None and np.count_nonzero(study.largest_tau.found) > 1
-    return "the lines hold" if several else "the line holds"
+    return "the lines refer" if several else "the line refers"
 
 
 def draws_lines(study: core.StabilityStudy) -> bool:
@@ -92,8 +93,8 @@ def _grid(study: core.StabilityStudy, lines_too: bool) -> str:
     name = f"initial {varied} {up}"
     drawn = lines_too and draws_lines(study)
     until = _until(study, study.largest_tau) if study.largest_tau is not None else ""
-    lines = f"“Largest successful τ” holds for the chosen start alone, {until}, not for cells of others. " * drawn
-    return f"{len(taus)} × {len(values)} values: {across} (evenly in its logarithm), {name}. {lines}"
+    lines = f"“Largest successful τ” refers only to the chosen start, {until}. " * drawn
+    return f"{len(taus)} × {len(values)} values: {across} (logarithmically spaced), {name}. {lines}"
 
 
 def _ends_early(study: core.StabilityStudy) -> str:

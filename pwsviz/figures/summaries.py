@@ -17,7 +17,7 @@ from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.numbers import printed
-from pwsviz.text.words import as_text, duration, listed, plural, rounded, rounded_up
+from pwsviz.text.words import as_text, duration, listed, plural, rounded
 
 
 def run_line(summary: Summary, line: Line) -> str:
@@ -53,7 +53,7 @@ def run_words(summaries: Sequence[Summary]) -> str:
 
 def _drift(one: Summary) -> str:
     """Return how far ψ has drifted, if that is known."""
-    return f"|Δψ| up to {rounded_up(one.worst_error)}" if math.isfinite(one.worst_error) else ""
+    return f"max |Δψ| = {rounded(one.worst_error)}" if math.isfinite(one.worst_error) else ""
 
 
 def _reason(first: Summary, *others: Summary) -> str:

@@ -180,10 +180,10 @@ def sweep_how(inputs: SweepInputs) -> str:
         shown = f"the first {inputs.discard:,} points of each run are discarded, and at most the next {inputs.points:,}"
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
     return printed(
-        f"shown is {coordinate_name(inputs)} at crossings of "
+        f"values of {coordinate_name(inputs)} at crossings of "
         f"{surface_words(inputs)}{reset_words(system, inputs.of)}{sliding}, for {inputs.values:,} values of {name} "
         f"from {inputs.low:.15g} to {inputs.high:.15g}: {shown} "
-        f"with t ≤ {inputs.t_end:.6g} are shown; {begins}; integrated by {scheme.method} with {step}; "
+        f"(t ≤ {inputs.t_end:,.6g}) are plotted; {begins}; integrated by {scheme.method} with {step}; "
         f"{crossings}"
     )
 

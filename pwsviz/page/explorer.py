@@ -238,7 +238,8 @@ class Explorer(pn.viewable.Viewer):
         if isinstance(outcome, Exception):
             self._tell(failure(outcome))
         elif isinstance(view, LongTab):
-            self._tell(printed(f"finished. {view.said.partition('. ')[0].rstrip('.')}."))
+            first = view.said.partition(". ")[0].rstrip(".")
+            self._tell(printed(f"finished.{f' {first}.' * bool(first)}"))
         self._refresh_export()
 
     def _end_portrait(self, words: str) -> None:

@@ -49,7 +49,7 @@ _USE = (
     "Choose integrators to compare them: dmm2 to dmm8 (Discrete Multiplier Method), prk8 and taylor conserve ψ; "
     "Runge–Kutta methods (rk) in general do not, and gauss4 conserves linear and quadratic ψ only.",
     "Each tab beside the portrait answers one question: is ψ conserved, how does the state change in time, what is the "
-    "order, how exact are the times of crossings, what does an error cost, where does it meet a surface, which step "
+    "order, how accurate are the times of crossings, what does an error cost, where does it meet a surface, which step "
     "sizes work, what does a parameter change, what is the scheme.",
     "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0, in the colours of their "
     "starts. A click there starts a trajectory on the surface, with the conserved quantities of the selected one.",

@@ -49,7 +49,8 @@ TAGLINE_CSS = """
 p, .lecture { font-size: 0.8125rem; line-height: 1.3; margin: 0 0 0 12px; }
 p { max-width: 64ch; color: var(--mui-palette-text-secondary); display: var(--usual, block); }
 .lecture { color: var(--mui-palette-text-primary); display: var(--lecture, none); }
-.lecture .law { display: inline; font-size: min(1em, 1.1vw); color: inherit; margin-left: 1em; }
+.lecture .law { display: inline-block; font-size: min(1em, 1.1vw); color: inherit; max-width: none;
+    margin: 0 0 0 1.2em; text-indent: 0; }
 .lecture .short { font-size: 1em; }
 .lecture sup { line-height: 0; font-size: 0.75em; }
 @media (width < 1150px) { p, .lecture { display: none; } }

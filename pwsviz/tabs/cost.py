@@ -101,7 +101,7 @@ class CostTab(LongTab):
     def meaning(self, outcome: core.WorkPrecision) -> str:
         """Return what the errors, the line and open symbols are, for captions."""
         wrong = any((~curve.correct_sequence & np.isfinite(curve.seconds)).any() for curve in outcome.curves)
-        hollow = " Open symbols: the run has a different sequence of crossings from the reference." * wrong
+        hollow = " Open symbols: runs whose sequence of crossings differs from that of the reference." * wrong
         level = f" {ROUND_OFF[self.scene.cost_up]}" * shows_round_off(outcome, self.scene.cost_up)
         return f"{MEANING[self.scene.cost_up]}{level}{hollow}"
 

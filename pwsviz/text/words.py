@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from html import escape
 
 from pwsviz.text.advice import on_page
 from pwsviz.text.numbers import RAISED, printed
+
+_SIZE = re.compile(r"\|[^|<>]{1,24}\|")
+"""An absolute value, at whose bars a browser would break the line."""
 
 
 def as_text(words: str, kind: str = "") -> str:
@@ -15,7 +19,7 @@ def as_text(words: str, kind: str = "") -> str:
     if not words:
         return ""
     role = ' role="alert"' if kind == "error" else ""
-    markup = escape(printed(words)).replace("|Δψ|", '<span style="white-space: nowrap">|Δψ|</span>')
+    markup = _SIZE.sub(r'<span style="white-space: nowrap">\g<0></span>', escape(printed(words)))
     return f'<p class="{kind}"{role}>{markup}</p>'
 
 

@@ -1,5 +1,7 @@
 """reference_solution(): the right oracle for a declared system."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -109,3 +111,21 @@ def test_a_solution_has_the_crossings_it_passes_before_it_ends():
     assert solution.crossing(1)[0] == pytest.approx(run.crossings.t[0], rel=1e-12)
     with pytest.raises(ValueError, match=r"before crossing 2: several surfaces are met .* neither does sliding"):
         solution.crossing(2)
+
+
+@pytest.mark.parametrize(
+    ("g", "pole"),
+    [
+        ("tan(x) - 1/2", math.pi / 2), ("2 + tan(x)/100", math.pi / 2), ("tan(t) + x**2 + 1", math.pi / 2),
+        ("tan(2*x - 0.3) - y", math.pi / 4 + 0.15), ("1/(x - 1) + 2", 1.0), ("3 - 1/(x - 1)**3", 1.0),
+        ("x - 3 + log(5 - t)", 5.0), ("1/(2*t - 5) - x - 1", 2.5),
+    ],
+)  # fmt: skip
+def test_a_surface_with_a_pole_on_the_way_is_not_gone_beyond(g, pole):
+    # The field is the same on both sides, so that x = t; beside a pole g rises, or falls, without a zero.
+    system = core.PiecewiseSystem("pole", ("x", "y"), ("1", "0"), ("1", "0"), g, x0=(0.0, 0.0))
+    reference = core.reference_solution(system)
+    assert reference.state(0.9 * pole) == pytest.approx([0.9 * pole, 0.0])
+    with pytest.raises(ValueError, match="g is not defined after t = ") as why:
+        reference.state(2.0 * pole)
+    assert float(str(why.value).rpartition(" ")[2]) == pytest.approx(pole, abs=1e-12)

@@ -344,8 +344,8 @@ def test_starts_from_which_the_solution_meets_no_surface_are_counted():
 def test_the_text_gives_the_grid_and_for_which_start_the_lines_hold(study):
     told = stability_text(study, "map")
     assert told.startswith("6 × 5 values: τ from ")
-    assert f" (evenly in its logarithm), initial {study.coordinate_name} from " in told
-    assert ". “Largest successful τ” holds for the chosen start alone, to t = " in told
+    assert f" (logarithmically spaced), initial {study.coordinate_name} from " in told
+    assert ". “Largest successful τ” refers only to the chosen start, to t = " in told
 
 
 def test_an_integrator_that_works_with_every_step_size_is_said_to_do_so_up_to_the_last_one(study):
@@ -421,7 +421,7 @@ def test_captions_name_the_runs_of_a_part_and_when_these_end(study):
     )
     assert runs_drawn(study, "map", "rk2").startswith("each cell represents a run of rk2 to t = ")
     start = f"{study.coordinate_name} = {study.x0[study.coordinate]:.6g}".replace("-", "−")
-    assert runs_drawn(study, "map", "rk2").endswith(f", and the lines hold for {start} at the start alone")
+    assert f", and the lines refer only to the start {start}, to t = " in runs_drawn(study, "map", "rk2")
     limits = replace(study.largest_tau, beyond=np.array([np.nan, np.nan]))
     none = runs_drawn(replace(study, largest_tau=limits), "map", "rk2")
     assert "line" not in none, "all step sizes work: there is no limit to draw"

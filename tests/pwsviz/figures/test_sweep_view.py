@@ -131,13 +131,13 @@ def test_how_names_all_that_repeats_the_diagram():
     how = sweep_how(inputs)
     for words in (
         "y at crossings", "400 values of a₋ from −8 to 4",
-        "the first 100 points of each run are discarded, and at most the next 100 with t ≤ 2000 are shown",
+        "the first 100 points of each run are discarded, and at most the next 100 (t ≤ 2,000) are plotted",
         "next smaller value", "taylor with tolerance 10⁻¹²", "Filippov",
     ):  # fmt: skip
         assert words in how, words
     told = sweep_how(SweepInputs.of_scene(Scene(system="stick_slip", methods=["rk4"])))
     assert "at crossings of S, and where sliding begins on it, for" in told
-    assert "at most the next 100 with t ≤ 2000" in told
+    assert "at most the next 100 (t ≤ 2,000)" in told
     chua = {"system": "chua", "methods": ["taylor"]}
     assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "the surfaces gₖ = 0 at which gₖ increases"
     assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "the surfaces gₖ = 0"
@@ -162,7 +162,7 @@ def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
 
 def test_points_are_said_to_be_states_after_the_reset_map_where_one_acts():
     ball = {"system": "vibrating_table", "methods": ["taylor"]}
-    assert "shown is φ mod 2π at crossings of S, just after the reset map, for" in sweep_how(
+    assert "values of φ mod 2π at crossings of S, just after the reset map, for" in sweep_how(
         SweepInputs.of_scene(Scene(**ball))
     )
     other = SweepInputs.of_scene(Scene(**ball, sweep_of="v"))

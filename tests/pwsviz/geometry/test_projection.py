@@ -140,7 +140,7 @@ def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
     assert planes_alike(bodies, (0, 2)) == [], "x1 and x2 span a plane of their own"
     assert axis_labels(bodies, (0, 1)) == ("x₁, x₂, x₃ (6 other variables not shown)", "y₁, y₂, y₃")
     assert (
-        "Lines, each thinner than the one before, show (x₂, y₂) and (x₃, y₃); discs mark where they start; "
+        "Successively thinner lines show (x₂, y₂) and (x₃, y₃); discs mark where they start; "
         "marks of jumps refer to x₁, y₁." in portrait_note(bodies, (0, 1))
     )
     walled = core.PiecewiseSystem(

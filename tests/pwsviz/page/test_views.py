@@ -151,7 +151,7 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
     explorer.settle(20)
     assert explorer.view.plots[0].visible
     assert view.figure.yaxis[0].axis_label == "error of g while sliding, |Δg|"
-    assert "Shown is |Δg|" in explorer.view.words.object
+    assert ">|Δg|</span> while sliding" in explorer.view.words.object
 
 
 def test_no_figure_of_another_system_stays_where_a_study_is_refused(explorer):
