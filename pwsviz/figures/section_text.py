@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import core
 from pwsviz.figures.section_prospects import prospects, reset_words
 from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.results.requests import SectionInputs
@@ -39,6 +40,12 @@ _AT_REST = "the motion has come to rest, and goes on by round-off only"
 """Of a start of which later points are left out."""
 
 
+UNCOUNTED = (
+    core.Status.SLIDING, core.Status.REPELLING, core.Status.GRAZING, core.Status.CORNER, core.Status.UNDECLARED,
+)  # fmt: skip
+"""Ends of runs at a surface that count neither as a crossing nor as a jump; where jumps accumulate, the last counts."""
+
+
 def section_text(outcome: SectionPoints) -> str:
     """Return how many points there are, and of which starts there are fewer, and why."""
     counts, inputs = outcome.counts, outcome.inputs
@@ -55,7 +62,10 @@ def _short_ones(outcome: SectionPoints) -> Iterator[str]:
     short: dict[tuple[str, bool], list[int]] = {}
     for k in outcome.short:
         if (status := outcome.statuses[k]) is not None:
-            reason = _AT_REST if k in outcome.at_rest else on_page(status.reason)
+            met = on_page(status.reason).replace(
+                "crossings or jumps", met_at_surfaces(outcome.inputs.problem.declaration)
+            )
+            reason = _AT_REST if k in outcome.at_rest else met
             short.setdefault((reason, counts[k] > 0), []).append(k)
     whole = sum(count == points for count in counts)
     if short and whole:
@@ -75,7 +85,7 @@ def _ended(outcome: SectionPoints, reason: str, which: list[int]) -> str:
     found = f"{', '.join(f'{count:,}' for count in counts)} point{'s' * (counts != [1])}{by}"
     if len(which) == 1 and counts[0]:
         last, end = outcome.of_start(which[0]).t[-1], outcome.ends[which[0]]
-        if last == end:
+        if last == end and outcome.statuses[which[0]] in UNCOUNTED:
             found += ", the last where it ends, which counts neither as a jump nor as a crossing"
         elif last < LATE * end:
             found += f", the last at t = {last:.6g}"

@@ -36,7 +36,7 @@ OUTCOMES: Mapping[int, Outcome] = {
     Status.SINGULAR: Outcome("a step passes a singularity", "#db2777"),
     Status.SLIDING: Outcome("stops: sliding", GREEN),
     Status.GRAZING: Outcome("stops: touches the surface", BROWN),
-    Status.ZENO: Outcome("stops: crossings accumulate", VIOLET),
+    Status.ZENO: Outcome("stops: accumulation (Zeno)", VIOLET),
     Status.REPELLING: Outcome("stops: repelled from both sides", BLUE),
     Status.CORNER: Outcome("stops: two surfaces at once", "#b45309"),
     Status.UNDECLARED: Outcome("stops: no law declared", "#78716c"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -62,9 +63,10 @@ class Progress(pn.viewable.Viewer):
         self._say("preparing …" + former * " (the previous result is shown below)", cancellable=True)
 
     def advance(self, done: int, total: int) -> None:
-        """Show how many of all parts are done."""
-        self._bar.object = _bar("the computation", done / max(total, 1))
-        self._say(f"{done:,} of {total:,}", cancellable=True)
+        """Show which part of the computation is done."""
+        part = done / max(total, 1)
+        self._bar.object = _bar("the computation", part)
+        self._say(f"{math.floor(100 * part)} %", cancellable=True)
 
     def end(self) -> None:
         """Hide the bar: the computation is finished."""

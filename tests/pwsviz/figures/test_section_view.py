@@ -130,8 +130,8 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
     assert section_text(whole) == "6 points of 2 starts on S: g = 0, met from one side only, just after the reset map."
     early = points(portion(0, [1.0, 2.0, 3.0]), portion(1, [2.0]), statuses=(Status.CROSSING_LIMIT, Status.ZENO))
     assert (
-        "One start has all 3. Start 2 has ended with 1 point by t = 8.25, the last at t = 2: crossings or jumps come "
-        "ever closer and accumulate here (Zeno)."
+        "One start has all 3. Start 2 has ended with 1 point by t = 8.25, the last at t = 2: jumps come ever "
+        "closer and accumulate here (Zeno)."
     ) in section_text(early)
     both = points(portion(1, [2.0]), statuses=(Status.ESCAPED, Status.ESCAPED))
     assert (
@@ -145,7 +145,7 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
     never = points(statuses=(Status.STEP_LIMIT, Status.CROSSING_LIMIT), section_of="v**2 + 1")
     assert "no point by t = 7.5: h does not change sign on the way; the limit of steps" in section_text(never)
     left_out = points(statuses=(Status.ZENO,) * 2, section_discard=9)
-    assert "Starts 1 and 2 have ended with no point: crossings or jumps come" in section_text(left_out)
+    assert "Starts 1 and 2 have ended with no point: jumps come" in section_text(left_out)
     still = replace(early, at_rest=frozenset({1}))
     assert "Start 2 has ended with 1 point by t = 8.25, the last at t = 2: the motion has come to rest" in section_text(
         still
@@ -153,6 +153,12 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
     typed = points(portion(0, [1.0]), section_of="y - a**2", section_discard=9)
     assert "on y − a² = 0, crossed in both directions." in section_text(typed)
     assert "after the first 9 are discarded; integrated by taylor" in section_how(typed)
+
+
+@pytest.mark.parametrize(("status", "counts"), [(Status.ZENO, True), (Status.SLIDING, False), (Status.GRAZING, False)])
+def test_a_last_point_at_the_end_is_said_not_to_count_where_the_run_does_not_count_it(status, counts):
+    ended = points(portion(0, [1.0, 7.5]), statuses=(status, Status.CROSSING_LIMIT))
+    assert ("counts neither as a jump nor as a crossing" in section_text(ended)) is not counts
 
 
 def test_a_table_has_a_row_for_each_point_start_by_start():

@@ -11,9 +11,9 @@ def test_from_the_beginning_to_the_end():
     progress.advance(3, 12)
     assert progress.busy
     assert 'value="0.25"' in progress._bar.object
-    assert progress._words.object == "3 of 12"
+    assert progress._words.object == "25 %"
     progress.advance(1234, 5000)
-    assert progress._words.object == "1,234 of 5,000"
+    assert progress._words.object == "24 %"
     progress.end()
     assert not progress.busy
 
