@@ -13,7 +13,7 @@ KEY = "l"
 LARGER = 1.5
 """Factor of the size of all type, and in figures of the lines and marks."""
 
-REST = "9.2rem"
+REST = "8.8rem"
 """CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
 LOOK_AGAIN = 400
