@@ -300,7 +300,8 @@ class _View:
 
     def sizes(self, part: float) -> tuple[float, float]:
         """Largest height, and largest rate in time, up to a part of the step."""
-        found = self.enclose(np.linspace(0.0, part, _LOOKS + 1))
+        with np.errstate(all="ignore"):
+            found = self.enclose(np.linspace(0.0, part, _LOOKS + 1))
         return found.largest_height, found.largest_rate
 
     def evaluate_in_doubles(self, part: float) -> tuple[float, float]:
