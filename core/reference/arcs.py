@@ -126,6 +126,7 @@ class ExactArc:
         self._end, self._last = self._context.mpf(0), x
         self._unit = self._motion.field.unit(level.digits, x)
         self._no_arrival = ""  # why it never ends, once known
+        self._undefined_after: Any = None  # elapsed time after which a guard is not defined, once known
         self._rests = False  # whether it never moves
         self._period: Any = None  # of a closed orbit, once known to be one
         self._origin: NDArray[np.float64] | None = None  # (2, d): the first step's coefficients of orders 0 and 1
@@ -180,7 +181,7 @@ class ExactArc:
             self._shorten(step, error)
             return
         self._steps.append(step)
-        self._end += step.span
+        self._end = step.start + step.span if self._undefined_after is None else self._undefined_after
         before, self._last = self._last, step.at(self._end)
         self._unit = min(step.next_unit, step.unit) if divided else step.next_unit
         unchanged = np.abs(self._last - before).max() <= np.abs(self._last).max() * self._round_off
@@ -241,7 +242,7 @@ class ExactArc:
         if first is not None:
             t, x = views[first[1]].place(first[0])
             if undefined:
-                self._no_arrival = f"g is not defined after t = {float(t):.17g}"
+                self._no_arrival, self._undefined_after = f"g is not defined after t = {float(t):.17g}", t - self.t
             else:
                 self.found = Arrival(t, x, first[1])
         return divided
