@@ -23,7 +23,7 @@ from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.moving import AWAIT, REPAINT, TELL_PLACE
 from pwsviz.figures.style import assign, ranges, tips, unseen
-from pwsviz.geometry.hiding import are_hidden
+from pwsviz.geometry.hiding import any_seen, unhidden
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, surface_name
@@ -79,6 +79,7 @@ class Ground:
     def __init__(self, plot: figure) -> None:
         self.figure = plot
         self._shown: Backdrop | None = None
+        self._own: dict[int, Floats] = {}  # points of the level sets of the trajectories that these do not hide
         self.side = ColumnDataSource({"xs": [], "ys": []})
         tint = plot.add_glyph(self.side, MultiPolygons(fill_color=SHADES[-1], fill_alpha=TINT, line_width=0))
         self.bare = ColumnDataSource({"xs": [], "ys": []})
@@ -183,13 +184,26 @@ class Ground:
         self._tint_entry.label = value(shade_names(system).get(-1, ""))
 
     def _show_entries(self, backdrop: Backdrop, seen: Window) -> None:
-        """Let a key stand in the legend for what is painted alone; of what moves, for what may be at another time."""
+        """Let a key stand in the legend for what is seen alone; of what moves, for what may be at another time."""
         moving = bool(backdrop.formulas["moving"] and backdrop.formulas["regions"])
-        self._surface_entry.visible = moving or bool(np.isfinite(backdrop.surface).any())
+        self._surface_entry.visible = moving or any_seen(backdrop.surface, seen)
         self._tint_entry.visible = moving or _any_seen(backdrop.minus_outer, seen)
         name = backdrop.formulas["bare"]
         self._bare_entry.visible = bool(name) and (moving or _any_seen(backdrop.bare_outer, seen))
         self._bare_entry.label = value(name)
+        sliding = ({0: backdrop.attracting}, {0: backdrop.repelling})
+        for k, (entry, part) in enumerate(
+            zip(self._line_entries, (backdrop.arrows, backdrop.levels, self._own, *sliding), strict=True)
+        ):
+            if backdrop.formulas["moving"]:
+                there = [side for side, line in part.items() if np.isfinite(line).any()]
+            elif part is self._own:
+                there = [side for side, points in part.items() if seen.holds(points).any()]
+            else:
+                there = [side for side, line in part.items() if any_seen(line, seen)]
+            entry.visible = bool(there)
+            if there and k in self._level_keys:
+                _colour(self._level_keys[k], there, DOTS if k == 2 else ())
 
     def keep_clear(self) -> None:
         """Let the browser place the labels anew: there are other marks."""
@@ -211,9 +225,18 @@ class Ground:
         curves : sequence of (n, 2) arrays
             The trajectories: level sets that these hide are not drawn.
         """
+        new = backdrop is not self._shown
+        if new:
+            self._own = backdrop.orbit_levels
+            if not backdrop.formulas["moving"]:
+                window = backdrop.window
+                self._own = {side: unhidden(line, curves, window, seen) for side, line in self._own.items()}
         self._show_entries(backdrop, seen)
-        if backdrop is self._shown:
-            return
+        if new:
+            self._paint(backdrop, names)
+
+    def _paint(self, backdrop: Backdrop, names: tuple[str, str]) -> None:
+        """Send the data of a backdrop."""
         moved = self._shown is not None and self._shown.formulas["moving"]
         self._shown = backdrop
         for source, columns in (
@@ -225,30 +248,17 @@ class Ground:
                 source.data = columns
             else:
                 assign(source, **columns)
-        own = _shown_levels(backdrop, curves, backdrop.window)
+        hidden = not any(map(len, self._own.values()))  # not drawn then: in print, the curves’ dashes would show them
+        own = {side: line[: 0 if hidden else len(line)] for side, line in backdrop.orbit_levels.items()}
         for side in SIDES:
             cut = [_columns(part[side]) for part in (backdrop.levels, own, backdrop.arrows)]
             for source, columns in zip(self._lines(side), backdrop.whole.get(side, cut), strict=True):
                 assign(source, **columns)
         assign(self.attracting, **_columns(backdrop.attracting))
         assign(self.repelling, **_columns(backdrop.repelling))
-        sliding = ({0: backdrop.attracting}, {0: backdrop.repelling})
-        parts = (backdrop.arrows, backdrop.levels, _shown_levels(backdrop, curves, seen), *sliding)
-        for k, (entry, part) in enumerate(zip(self._line_entries, parts, strict=True)):
-            there = [side for side, lines in part.items() if np.isfinite(lines).any()]
-            entry.visible = bool(there)
-            if there and k in self._level_keys:
-                _colour(self._level_keys[k], there, DOTS if k == 2 else ())
         text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels, "window": backdrop.window})
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
-
-
-def _shown_levels(backdrop: Backdrop, curves: Sequence[Floats], window: Window) -> dict[int, Floats]:
-    """Return the level sets of the trajectories, none if these hide them in a window: in print, dashes would not."""
-    levels = backdrop.orbit_levels
-    hidden = not backdrop.formulas["moving"] and are_hidden(levels.values(), curves, window)
-    return {side: lines[:0] for side, lines in levels.items()} if hidden else levels
 
 
 def _any_seen(outlines: list[Floats], seen: Window) -> bool:

@@ -1,4 +1,4 @@
-"""Whether lines are hidden under curves that are painted over them."""
+"""What is seen of lines: in a window, and beside the curves that are painted over them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.window import Window
 
-__all__ = ["are_hidden"]
+__all__ = ["any_seen", "unhidden"]
 
 PIXELS = 500
 """Of a window along its longer side; a curve is some pixels wide."""
@@ -22,25 +22,35 @@ MOST = 50_000
 """Most points of curves that are looked at, a pixel apart: below longer ones lines count as seen."""
 
 
-def are_hidden(lines: Iterable[Floats], curves: Iterable[Floats], seen: Window) -> bool:
-    """Return whether all of some lines that is seen lies below curves.
+def unhidden(line: Floats, curves: Iterable[Floats], within: Window, seen: Window) -> Floats:
+    """Return points (n, 2), a pixel apart, of the part of a line in a window that does not lie below curves.
 
     Parameters
     ----------
-    lines, curves : iterable of (n, 2 or more) arrays
+    line, curves : (n, 2 or more) array, iterable of such arrays
         Vertices, their places first; NaN for a gap.
-    seen : Window
-        The part of the plane that is seen.
+    within, seen : Window
+        The window, and the part of the plane that is seen, which gives the size of a pixel.
     """
     pixel = seen.longest / PIXELS
-    below, above = (
-        np.concatenate([np.empty((0, 2)), *(_densely(each, pixel) for each in some)]) for some in (lines, curves)
-    )
-    below = below[seen.holds(below)]
+    below = _densely(line, pixel)
+    below = below[within.holds(below)]
+    above = np.concatenate([np.empty((0, 2)), *(_densely(curve, pixel) for curve in curves)])
     if not len(below) or not len(above) or len(above) >= MOST:
-        return not len(below)
+        return below
     distance, _ = cKDTree(above).query(below, distance_upper_bound=REACH * pixel)
-    return bool(np.isfinite(distance).all())
+    return np.asarray(below[~np.isfinite(distance)])
+
+
+def any_seen(line: Floats, seen: Window) -> bool:
+    """Return whether a line, given as by `unhidden`, passes through a window."""
+    begin, end = line[:-1, :2], line[1:, :2]
+    low, high = np.minimum(begin, end), np.maximum(begin, end)  # NaN at a gap, which no comparison holds for
+    near = (low <= [seen.x_high, seen.y_high]).all(axis=1) & (high >= [seen.x_low, seen.y_low]).all(axis=1)
+    (dx, dy), (x, y) = (end - begin)[near].T, begin[near].T
+    corners = [(across, up) for across in seen[:2] for up in seen[2:]]
+    sides = np.array([dx * (up - y) - dy * (across - x) for across, up in corners])
+    return bool(((sides.min(axis=0) <= 0) & (sides.max(axis=0) >= 0)).any())
 
 
 def _densely(points: Floats, pixel: float) -> Floats:

@@ -116,7 +116,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self._aimed_at: tuple[Any, Any, int] = (None, None, -1)  # system, plane, and loads of the scene
         self._told: Any = None
         self._fitted: Window | None = None  # what was shown last while the scene had no window
-        scene.param.watch(lambda event: None if event.new == self._told else self._aim(self._fitted), "window")
+        scene.param.watch(self._take_window, "window")
         self._visible: Window | None = None
         self._covered: Window | None = None  # by the backdrop, since the view was last set
 
@@ -234,6 +234,12 @@ class PortraitPanel(pn.viewable.Viewer):
             self._aimed_at = (shown.inputs.declaration, shown.inputs.axes, self.scene.loads if current else -1)
             self._aim()
 
+    def _take_window(self, event: Any) -> None:
+        """Show the window of the scene, unless it was read off the view."""
+        if event.new != self._told:
+            self._aim(self._fitted, moved=event.old is not None)
+            self._cover()
+
     def _keeps_view(self, inputs: PortraitInputs) -> bool:
         """Whether the view stays as it is when these pictures come, if they are those of the present scene."""
         return self._aimed_at == (inputs.declaration, inputs.axes, self.scene.loads)
@@ -241,8 +247,11 @@ class PortraitPanel(pn.viewable.Viewer):
     def _is_current(self, shown: Pictures) -> bool:
         return bool(shown.inputs == PortraitInputs.of(self.scene))
 
-    def _aim(self, usual: Window | None = None) -> None:
-        """Let the view show the window of the scene; without one, the usual one or what suits the trajectories."""
+    def _aim(self, usual: Window | None = None, moved: bool = False) -> None:
+        """Let the view show the window of the scene; without one, the usual one or what suits the trajectories.
+
+        `moved` tells that the user has panned or zoomed since the view was last set.
+        """
         self._told, before, self._covered = self.scene.window, self.portrait.frame, None
         if self.scene.window is not None:
             self.portrait.look_at(Window(*self.scene.window))
@@ -251,7 +260,7 @@ class PortraitPanel(pn.viewable.Viewer):
         else:
             self.portrait.fit()
             self._fitted = self.portrait.frame
-        if self.portrait.frame != before:  # else the browser, which shows it at equal scales, has nothing to report
+        if moved or self.portrait.frame != before:  # else the browser, which shows it already, has nothing to report
             self._visible = None
         self.limits.sync()
 
@@ -265,9 +274,10 @@ class PortraitPanel(pn.viewable.Viewer):
         """Let the view show the present trajectories; again when they are computed, if they are not yet."""
         if self.shown is not None and not self._is_current(self.shown):
             self._aimed_at = (*self._aimed_at[:2], -1)
+        moved = self.scene.window is not None
         self._told = None
         self.scene.window = None
-        self._aim()
+        self._aim(moved=moved)
         self._cover()
 
     def _keep_window(self, seen: Window) -> None:

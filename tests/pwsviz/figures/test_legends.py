@@ -103,6 +103,26 @@ def test_the_key_of_level_sets_is_half_in_the_colour_of_each_side_on_which_they_
         assert [key.line_dash for key in keys] == dashes, "a dash of no length is not seen"
         own = view.ground._line_entries[2]
         assert own.visible == (len(sides) == 2), "in the small window the trajectory hides its level set"
-        dotted, dots = [renderer.glyph.line_dash for renderer in own.renderers], [2, 3, 2, 3, 2]
-        assert dotted == [[*dots, LEGEND_GLYPH - sum(dots)]] * 2
+        dotted = [renderer.glyph.line_dash for renderer in own.renderers]
+        assert dotted == [[0, LEGEND_GLYPH], [2, 3]], "that where g < 0 is hidden, in either window"
     assert [key.line_dash_offset for key in keys] == [0, half]
+
+
+def test_the_legend_names_what_is_seen_alone_also_after_a_pan_within_the_backdrop():
+    view, system = PortraitView(*[print] * 5), Scene().declaration
+    pictures = Results().pictures(PortraitInputs.of(Scene()))
+    view.show_orbits(system, pictures, [(-1.0, -1.0)], 0)
+    ground = Results().backdrop(pictures.inputs.selected[0].problem, Window(-2, 2, -2, 2), (), (0, 1))
+    names = [name for name, _ in view.ground.legend]
+    for window, absent in (
+        (Window(-1.9, 1.9, -1.9, 1.9), set()),
+        (Window(0.2, 1.9, -1.9, 0.2), {"S repels"}),
+        (Window(0.2, 1.9, -0.2, 1.9), {"S attracts"}),
+        (Window(-1.9, -1.2, -1.9, 1.9), {"S: g = 0", "g < 0", "S attracts", "S repels"}),
+        (Window(-0.5, 0.5, -0.5, 0.5), {"S: g = 0", "S attracts", "S repels"}),
+    ):
+        view.look_at(window)
+        view.show_backdrop(ground)
+        entries = dict(zip(names, view.figure.legend[0].items[-len(names) :], strict=True))
+        hidden = {name for name, entry in entries.items() if not entry.visible}
+        assert hidden == absent | {"no law", "ψ = ψ(trajectory)"}

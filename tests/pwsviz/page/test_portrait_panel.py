@@ -127,6 +127,17 @@ def test_undo_of_a_zoom_brings_back_the_view_before_it_and_fit_fits_anew(explore
     assert panel.portrait.frame.x_high > before.x_high
 
 
+@pytest.mark.parametrize("by", ["fit", "undo"])
+def test_the_ground_of_a_view_that_was_left_is_not_shown_until_the_browser_tells_of_the_new_one(explorer, by):
+    panel = explorer.portrait_panel
+    explorer.settle(20)
+    panel._keep_window(Window(-40.0, 40.0, -40.0, 40.0))
+    explorer.settle(20)
+    {"fit": panel.fit, "undo": explorer.history.undo}[by]()
+    explorer.settle(20)
+    assert panel._covered == panel.portrait.frame.surroundings()
+
+
 def test_another_projection_shows_other_variables(explorer):
     explorer.scene.load({"system": "kepler", "methods": ["rk4"]})
     explorer.settle(60)
