@@ -25,6 +25,8 @@ class Scheme(ABC):
 
     Attributes
     ----------
+    family
+        What schemes that are made alike are called.
     order
         Order of its global error; None where it is chosen from a tolerance.
     conservative
@@ -35,6 +37,7 @@ class Scheme(ABC):
         Whether it makes no sense without a conserved quantity.
     """
 
+    family: str
     order: int | None
     conservative: bool = False
     symmetric: bool = False
@@ -59,6 +62,11 @@ class Method:
     """The one-step map."""
     doc: str
     """Description in a sentence."""
+
+    @property
+    def family(self) -> str:
+        """What methods that are made alike are called."""
+        return self.scheme.family
 
     @property
     def order(self) -> int | None:

@@ -20,6 +20,7 @@ class DiscreteMultiplier(Scheme):
     """x₁ = x₀ + h fᵗ(t₀, x₀, t₁, x₁), with the discrete field fᵗ that keeps ψ: paper (eq:twoSchemes)."""
 
     order: int = 2
+    family = "Discrete multiplier"
     conservative = symmetric = needs_conserved = True
 
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
@@ -65,6 +66,7 @@ class Composition(Scheme):
     half: tuple[Expr, ...]
     of: DiscreteMultiplier
     order: int
+    family = DiscreteMultiplier.family
     conservative = symmetric = needs_conserved = True
 
     @property

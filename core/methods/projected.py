@@ -20,6 +20,7 @@ class Projected(Scheme):
     """A one-step map whose increment is projected along the discrete gradient."""
 
     of: ButcherTableau
+    family = "Projected Runge–Kutta"
     conservative = needs_conserved = True
 
     @property
@@ -37,6 +38,7 @@ class TaylorSeries(Scheme):
     """The Taylor series of the solution, whose increment is projected along the discrete gradient."""
 
     order: None = None
+    family = "Taylor series"
     conservative = True
 
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:

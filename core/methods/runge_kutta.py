@@ -42,6 +42,7 @@ class ButcherTableau(Scheme):
     weights: tuple[Expr, ...]
     order: int
     symmetric: bool = False
+    family = "Runge–Kutta"
     source: str = ""
 
     @cached_property

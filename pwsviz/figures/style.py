@@ -42,15 +42,15 @@ from pwsviz.figures.ticks import print_ticks
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import PRINTED, printed
 
-HEIGHT = "clamp(340px, min(100vh - var(--rest, 15.6rem), 90vw), 1400px)"
-"""CSS height of a figure: what the screen leaves free, but neither too flat nor too tall; a lecture sets `--rest`."""
+HEIGHT = "clamp(340px, min(100vh - var(--rest, 15.6rem) - var(--above, 0px), 90vw), 1400px)"
+"""CSS height of a figure: what the screen leaves free, but neither too flat nor too tall; a lecture sets the two."""
 
 ROOM = "var(--legend, 0px)"
 """CSS height by which a legend is taller than usual, set by `legends`: added to a figure, whose frame then stays."""
 
 PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
 
-WITH_TABLE = {"height": f"calc(max(300px, {HEIGHT} - 190px) + {ROOM})", "flex": "none"}
+WITH_TABLE = {"height": f"calc(max(14rem + 76px, {HEIGHT} - 190px) + {ROOM})", "flex": "none"}
 """Styles of a figure that leaves room on the screen for a small table below it."""
 
 FRAME = 0.25

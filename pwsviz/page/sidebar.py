@@ -33,7 +33,8 @@ COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 
 """Side by side where at least 80 px remain for each, so that the names can be read."""
 
 METHOD_NOTES = {name: method.doc for name, method in core.METHODS.items()}
-"""What each integrator is, for its tooltip."""
+FAMILIES = {name: method.family for name, method in core.METHODS.items()}
+"""What each integrator is, for its tooltip, and the family under whose name it stands."""
 
 AT_SURFACE = {
     LABELS["locate"]: "Split a step at the surface and complete it with the field of the other "
@@ -145,8 +146,8 @@ class Sidebar(pn.viewable.Viewer):
 
     def _make_methods(self) -> None:
         self.methods = Choices(
-            label=LABELS["methods"], value=self.scene.used, options=self.scene.offered, about=METHOD_NOTES, margin=0,
-            sizing_mode="stretch_width",
+            label=LABELS["methods"], value=self.scene.used, options=self.scene.offered, about=METHOD_NOTES,
+            groups=FAMILIES, margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
         self.methods_note = text_pane("", "about")
         self.methods_message = text_pane("", "error")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterable
 from functools import cache
 from threading import Thread
 
@@ -36,9 +37,9 @@ def declare_beside_once() -> Thread:
     return thread
 
 
-def compile_catalogue() -> None:
-    """Compile what each system of the catalogue is first shown with, in its order: its runs enter all their modes."""
-    for name in core.CATALOGUE:
+def compile_catalogue(names: Iterable[str]) -> None:
+    """Compile what systems of the catalogue are first shown with, in this order: their runs enter all their modes."""
+    for name in names:
         scene = Scene(system=name)
         for method in scene.used:
             sliding = sliding_of(scene.slides)
@@ -49,4 +50,4 @@ def compile_catalogue() -> None:
 if __name__ == "__main__":
     if hasattr(os, "nice"):
         os.nice(LEAST_PRIORITY)
-    compile_catalogue()
+    compile_catalogue(core.CATALOGUE)

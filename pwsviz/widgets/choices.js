@@ -19,12 +19,25 @@ function render({ model, el }) {
       one.append(both)
       return one
     })
-    group.replaceChildren(name, ...boxes)
+    group.replaceChildren(name, ...gather(boxes))
+  }
+  const gather = boxes => {  // each below the name of its group
+    const titles = model.options.map(option => model.groups[option])
+    return [...new Set(titles)].flatMap(title => {
+      const members = boxes.filter((_, k) => titles[k] == title)
+      if (title == null) { return members }
+      const one = document.createElement("div"), heading = document.createElement("b")
+      one.setAttribute("role", "group")
+      one.setAttribute("aria-label", title)
+      heading.textContent = title
+      one.append(heading, ...members)
+      return [one]
+    })
   }
   const check = () => {
     for (const box of group.querySelectorAll("input")) { box.checked = model.value.includes(box.value) }
   }
-  for (const setting of ["label", "options", "about", "disabled"]) { model.on(setting, draw) }
+  for (const setting of ["label", "options", "about", "groups", "disabled"]) { model.on(setting, draw) }
   model.on("value", check)
   draw()
   el.append(group)

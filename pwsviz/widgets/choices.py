@@ -12,6 +12,11 @@ __all__ = ["SEEN_NAME", "Choices"]
 CHOICES_CSS = """
 fieldset { position: relative; display: flex; flex-wrap: wrap; gap: 2px 12px; margin: 0; padding: 2px; border: none;
            font-size: 1rem; color: var(--mui-palette-text-primary); }
+fieldset:has([role=group]) { padding: 0; gap: 4px 12px; }
+[role=group] { font-size: 0.875rem; }
+[role=group] > b { display: block; font-weight: normal; font-size: 0.8rem; color: var(--mui-palette-text-secondary); }
+[role=group] > span { margin-right: 7px; }
+[role=group] input { margin-right: 4px; }
 legend { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
 label { display: inline-flex; align-items: center; min-width: 24px; min-height: 26px; cursor: pointer; }
 input { width: 18px; height: 18px; margin: 0 6px 0 0; flex: none; cursor: pointer;
@@ -38,6 +43,7 @@ class Choices(pn.custom.JSComponent):
     label = param.String(default="", doc="Name of the group.")
     options = param.List(default=[], item_type=str, doc="Names of the boxes.")
     about = param.Dict(default={}, doc="What each option is.")
+    groups = param.Dict(default={}, doc="The name of the group of each option; none for a list without groups.")
     value = param.List(default=[], doc="The boxes that are checked, in the order of the options.")
     disabled = param.Boolean(default=False, doc="Whether nothing can be chosen.")
 

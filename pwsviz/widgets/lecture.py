@@ -34,6 +34,7 @@ const SIZES = ["axis_label_text_font_size", "major_label_text_font_size", "label
 SPACE
 export function render({ model }) {
   const usual = new Map()  // figure part -> its own sizes, and those that it has been given
+  const fitted = new Set()  // panels of views
   let timer = null
   const { CustomJSTransform } = Bokeh.loader["models/transforms/customjs_transform"]
   const larger = new CustomJSTransform({ func: "return LARGER * x", v_func: "return xs.map(x => LARGER * x)" })
@@ -60,6 +61,23 @@ export function render({ model }) {
       part.setv(Object.fromEntries(reset.map(name => [name, given[name]])), { sync: false })
     }
   }
+  const fit = () => {  // the controls above a figure, and a long legend, take its room: its conclusion is in sight
+    const found = new Map()
+    for (const view of Bokeh.index.query(view => view.model.type == "Figure" && view.el.checkVisibility())) {
+      let panel = view.el
+      while (panel && panel.getAttribute("role") != "tabpanel") {
+        panel = panel.parentElement ?? panel.getRootNode().host
+      }
+      if (!panel) { continue }
+      const longer = parseFloat(getComputedStyle(view.el).getPropertyValue("--legend")) || 0
+      const above = view.el.getBoundingClientRect().top - panel.getBoundingClientRect().top + longer
+      if (!(above > found.get(panel))) { found.set(panel, above) }
+    }
+    for (const [panel, above] of found) {
+      fitted.add(panel)
+      panel.style.setProperty("--above", `${Math.round(above)}px`)
+    }
+  }
   const turn = on => {
     if (on == model.large) return
     model.large = on
@@ -71,11 +89,12 @@ export function render({ model }) {
     clearInterval(timer)
     if (on) {
       enlarge()
-      timer = setInterval(enlarge, LOOK_AGAIN)
+      timer = setInterval(() => { enlarge(); fit() }, LOOK_AGAIN)
       document.documentElement.requestFullscreen?.().catch(refused => console.info("no full screen", refused))
     } else {
       for (const [part, { sizes }] of usual) part.setv(sizes, { sync: false })
       usual.clear()
+      for (const panel of fitted) { panel.style.removeProperty("--above") }
       if (document.fullscreenElement) document.exitFullscreen()
     }
   }

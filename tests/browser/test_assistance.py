@@ -183,7 +183,8 @@ TIP_OF_BOX = "box => getComputedStyle(box.closest('span'), '::after').content"
 
 def test_an_integrator_entered_by_the_keyboard_says_what_it_is(visit):
     page = visit()
-    box = page.get_by_role("checkbox", name="rk4", exact=True)
+    family = page.get_by_role("group", name="Runge–Kutta", exact=True)
+    box = family.get_by_role("checkbox", name="rk4", exact=True)
     sync_api.expect(box).to_have_attribute("aria-description", re.compile("Runge"))
     assert box.evaluate(TIP_OF_BOX) == "none"
     page.get_by_role("checkbox", name="rk2", exact=True).focus()

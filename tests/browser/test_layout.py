@@ -324,6 +324,27 @@ def test_in_lecture_mode_titles_of_views_keep_to_one_row_and_names_of_fields_are
     assert becomes(page, lambda: page.evaluate(CUT) == []), page.evaluate(CUT)
 
 
+@pytest.mark.deep
+@pytest.mark.parametrize(
+    ("view", "words"),
+    [("section&system=bouncing_ball", "53 points on"), ("stability", "Largest step size"), ("order", "slope 2.00;")],
+)
+def test_in_a_lecture_the_conclusion_of_a_figure_below_controls_is_in_sight(visit, view, words):
+    page = visit(1366, 768, query=f"v=2&view={view}")
+    page.keyboard.press("l")
+    panel = page.get_by_role("tabpanel").locator("visible=true")
+    figure = panel.get_by_role("img").first
+    figure.wait_for()
+    told = panel.get_by_text(re.compile(words)).first
+    told.wait_for()
+
+    def is_in_sight():
+        text, plot = told.bounding_box(), figure.bounding_box()
+        return plot["y"] + plot["height"] <= text["y"] and text["y"] + 30 < 768 and plot["height"] > 340
+
+    assert becomes(page, is_in_sight), (told.bounding_box(), figure.bounding_box())
+
+
 STARTS = ";".join(f"-1.3,{0.15 * k - 0.9:.2f}" for k in range(12))
 
 
