@@ -53,9 +53,13 @@ LONG_WAIT = 1500
 WARNS = 'class="stopped"'
 """Part of the markup of words about runs that says of one that it may not be trusted; it stays by the portrait."""
 
+FEW = 3
+"""Most runs whose figures stay there, too."""
+
 NARROW_CSS = f"""
 @media (width < {NARROW}px) {{ :host {{ display: contents !important; }} .aside {{ order: 2; }} }}
 """
+NARROW_RUN_CSS = f"@media (width < {NARROW}px) {{ .run {{ font-size: 0.75rem; }} }}"
 ASIDE = ["aside"]
 """On a narrow screen notes of this class come after the view below the portrait: its tabs are then in sight, too."""
 
@@ -109,6 +113,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
         self.note.css_classes = self.status.css_classes = ASIDE
+        self.status.stylesheets = [*self.status.stylesheets, NARROW_RUN_CSS]
         self.trouble = text_pane("")
         self.progress = bar_pane("the phase portrait", margin=0)
         self.shown: Pictures | None = None
@@ -223,7 +228,8 @@ class PortraitPanel(pn.viewable.Viewer):
                 as_text(parted_words(shown), "stopped"),
             ]
         )
-        self.status.param.update(object=words, css_classes=[] if WARNS in words else ASIDE)
+        beside = WARNS in words or len(shown.summaries) <= FEW
+        self.status.param.update(object=words, css_classes=[] if beside else ASIDE)
 
     def _aim_first(self, shown: Pictures) -> None:
         """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""

@@ -220,10 +220,12 @@ def test_on_a_phone_the_view_begins_on_the_screen_of_the_portrait(visit, system)
     page = visit(420, 800, query=f"v=2&system={system}")
     await_painted(page, "Phase portrait")
     figure = await_painted(page, "conserved quantity").bounding_box()
-    assert figure["y"] < 700
-    assert all(tab.bounding_box()["y"] < 640 for tab in page.get_by_role("tab").all())
-    notes = page.get_by_text(re.compile("^dmm2: .* steps")).locator("visible=true")
-    assert notes.bounding_box()["y"] > figure["y"] + figure["height"], "the figures of the runs come after it"
+    tabs = [tab.bounding_box()["y"] for tab in page.get_by_role("tab").all()]
+    assert max(tabs) < 680
+    assert figure["y"] < 740
+    runs = page.get_by_text(re.compile("^dmm2: .* steps")).locator("visible=true").bounding_box()
+    assert runs["y"] + runs["height"] < min(tabs), "the figures of the runs stand by the portrait"
+    assert runs["height"] < 30, "each in a line"
 
 
 @pytest.mark.deep
