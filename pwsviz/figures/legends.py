@@ -43,14 +43,15 @@ if (grid != null && el != null) {
       own.update_position()  // measures it: the layout that follows would take the size it had at the layout before
     })
     grid.watcher.observe(grid)
+    new MutationObserver(() => own.request_paint()).observe(grid, { childList: true })
   }
 }
 """
 """JavaScript that gives a legend the width of its figure, and makes the figure as much taller as the legend is taller
-than usual.
+than usual, and has its entries painted when it makes them anew.
 
-It knows plot and legend by their ids, not as models: in the browser a legend makes its entries anew, unpainted until
-the figure is painted next, at each change of any model that can be reached from them.
+It knows plot and legend by their ids, not as models: in the browser a legend makes its entries anew at each change of
+any model that can be reached from them. Bokeh itself leaves them unpainted until the figure is painted next.
 """
 
 MARKS_AS_DRAWN = """
