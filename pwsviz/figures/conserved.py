@@ -86,9 +86,14 @@ class ConservedView:
         self._band_glyphs()
         self._curve_glyphs()
         self._tick_glyphs()
-        _, *entries, _ = legend_below(
+        _, *entries, _, self._exit_entry = legend_below(
             self.figure,
-            [({"field": "method"}, self.keys), *shade_keys(self.figure), ({"field": "label"}, self.ticks.key)],
+            [
+                ({"field": "method"}, self.keys),
+                *shade_keys(self.figure),
+                ({"field": "label"}, self.ticks.key),
+                ("above plot range", self.exit_marks),
+            ],
         )
         self.entries = dict(zip(OCCUPIED, entries, strict=False))
         attach_shades(self.figure, self.bands, entries)
@@ -114,8 +119,8 @@ class ConservedView:
         plot.add_tools(tips(rows, renderers=[self.lines], **here))
         self.exits = ColumnDataSource({name: [] for name in ("t", "y", "colour", "words")})
         look: dict[str, Any] = {"marker": "triangle_pin", "line_color": "colour", "fill_color": "colour", "size": 12}
-        exits = plot.add_glyph(self.exits, Scatter(x="t", **look))
-        plot.add_tools(tips([("", "@words")], renderers=[exits]))
+        self.exit_marks = plot.add_glyph(self.exits, Scatter(x="t", **look))
+        plot.add_tools(tips([("", "@words")], renderers=[self.exit_marks]))
         self.corners = fit_to_corners(plot, [0.0, 1.0], [BOTTOM, 1e-2])
 
     def _tick_glyphs(self) -> None:
@@ -177,6 +182,7 @@ class ConservedView:
             colour=[line_of(curve.method).colour for curve, _ in gone],
             words=[f"{curve.method} leaves the plot: {largest(curve.error)}" for curve, _ in gone],
         )
+        self._exit_entry.visible = bool(gone)
 
     def _show_segments(self, first: ErrorCurve) -> None:
         bounds = np.concatenate([[0.0], first.crossings, [first.t_end]])

@@ -143,7 +143,7 @@ def _change(curve: ErrorCurve) -> str:
         return f"{method} does not conserve ψ: {value}{share}"
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
     if late <= SEEN_TO_RISE * early and curve.shift <= STEADY:
-        return f"{method} shows no drift {until}: {value}{share}"
+        return f"{method} shows no drift so far, {until}: {value}{share}"
     return f"{method}{' drifts' * (late > DRIFT * early)}: {value} {until}{share}"
 
 

@@ -33,8 +33,8 @@ NARROWEST = 6
 WEIGHTS = [0.5, 1.0, 1.0, 1.0, 0.5]
 """Of a shade and of two on either side in this mean: two sides that alternate have the same."""
 
-SOME = " (some omitted)"
-"""What a legend adds to the name of marks of which some are left out, as they would cover others."""
+SOME = " (close ones merged)"
+"""What a legend adds to the name of marks of which some are left out, as they would cover others like them."""
 
 NONE = " (omitted)"
 """What it adds if all of them are."""

@@ -246,12 +246,13 @@ class PortraitView:
                 ("start", self.stars),
                 ({"field": "label"}, self.marks.key),
                 ({"field": "label"}, self.stops),
+                ("reset", self.jump_lines),
                 *self.ground.legend,
             ],
             usual=2,
         )
-        self._step_entry = entries[1]
-        self._step_entry.visible = False
+        self._step_entry, self._reset_entry = entries[1], entries[5]
+        self._step_entry.visible = self._reset_entry.visible = False
         marks = [self.starts, self.alongside, self.crossings, self.ends]
         self.ground.follow(entries[-len(self.ground.legend) :], marks, [self.orbits, self.others])
 
@@ -336,6 +337,7 @@ class PortraitView:
         self._step_entry.update(visible=len(steps["x"]) > 0, label=value("step (some)" if omitted else "step"))
         jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.thin)])
         assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
+        self._reset_entry.visible = self.joins_jumps
         assign(self.alongside, **alongside_columns(system, pictures))
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))

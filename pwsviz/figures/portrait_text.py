@@ -172,9 +172,12 @@ def _which_start(pictures: Pictures) -> str:
     stops: dict[str, list[str]] = {}
     for number, of_methods in sorted(words.items()):
         stops.setdefault(" or ".join(dict.fromkeys(of_methods)), []).append(str(number))
-    told = "; ".join(f"{listed(numbers)} ({why})" for why, numbers in stops.items())
-    stop = "stops" if sum(map(len, stops.values())) == 1 else "stop"
-    return f"Start {index + 1} of {count}." + (f" Of the others, {told} {stop} early." if told else "")
+    told = []
+    for why, numbers in stops.items():
+        which = f"start {numbers[0]} stops" if len(numbers) == 1 else f"starts {listed(numbers)} stop"
+        told.append(f"{which} early ({why})")
+    others = "; ".join(told)
+    return f"Start {index + 1} of {count}." + (f" {others[0].upper()}{others[1:]}." if others else "")
 
 
 _LETTER = "[A-Za-zΑ-Ωα-ω]"

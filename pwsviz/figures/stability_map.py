@@ -17,8 +17,9 @@ import core
 from core.studies import NOT_YET, OutcomeMap
 from pwsviz.figures.colours import GREY
 from pwsviz.figures.legends import legend_below
-from pwsviz.figures.lines import line_of, together
+from pwsviz.figures.lines import line_of
 from pwsviz.figures.stability_outcomes import OUTCOMES, lasts, outcomes_shown
+from pwsviz.figures.stability_text import draws_line
 from pwsviz.figures.style import assign, fit_to_corners, plain_figure, tips
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
@@ -41,7 +42,7 @@ FLOOR = MACHINE_EPSILON / 8
 CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
-LIMIT = "largest successful τ: "
+LIMIT = "largest successful τ"
 """Legend of the lines, before the name of the integrator."""
 
 REACH = 0.06
@@ -104,7 +105,7 @@ class MapFigure:
             ({"field": "words"}, outcomes),
             (NO_VALUE, blanks),
             ({"field": "words"}, ended),
-            ({"field": "entry"}, limits),
+            (LIMIT, limits),
             (PLACE, crosses),
         ]
         self._outcomes, self._blanks, self._ended, self._limit, self._place = legend_below(plot, entries)
@@ -112,8 +113,8 @@ class MapFigure:
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def _limit_glyphs(self) -> GlyphRenderer[Any]:
-        """Make the lines at the largest step size that works for each integrator; return these."""
-        self.limits = ColumnDataSource({name: [] for name in ("x", "low", "high", "colour", "dash", "entry")})
+        """Make the line at the largest step size that works; return it."""
+        self.limits = ColumnDataSource({name: [] for name in ("x", "low", "high", "colour", "dash")})
         ends: dict[str, Any] = {"x0": "x", "y0": "low", "x1": "x", "y1": "high", "source": self.limits}
         self.figure.segment(**ends, line_color="#FFFFFF", line_width=5)
         return self.figure.segment(**ends, line_color="colour", line_dash="dash", line_width=2.5)
@@ -127,7 +128,7 @@ class MapFigure:
         ]
 
     def show(self, study: core.StabilityStudy, method: str, what: Shown) -> None:
-        """Draw what is computed of the map of one integrator, and the largest step size of each integrator."""
+        """Draw what is computed of the map of one integrator, and its largest successful step size."""
         self.figure.yaxis[0].axis_label = f"{variable_name(study.coordinate_name)} at the start"
         cells = {} if study.map is None else _cells(study.map, study.methods.index(method))
         known, whole = np.isfinite(cells.get("height", np.empty(0))), cells.get("lasts", np.empty(0, dtype=bool))
@@ -142,7 +143,7 @@ class MapFigure:
         self._outcomes.visible, self.bar.visible = what == "outcome", what == "error"
         self._blanks.visible = what == "error" and bool(rows["blank"].any())
         self._ended.visible = what == "error" and bool(rows["ended"].any())
-        self._show_limits(study)
+        self._show_limit(study, method)
         if study.map is not None:
             assign(self.corners, x=study.map.taus[[0, -1]], y=study.map.values[[0, -1]])
 
@@ -151,21 +152,21 @@ class MapFigure:
         assign(self.place, x=[tau], y=[value])
         self._place.visible = True
 
-    def _show_limits(self, study: core.StabilityStudy) -> None:
-        """Draw the lines about the start for which they hold, within the ends of the map."""
-        start = float(study.x0[study.coordinate])
-        bottom, top = (start, start) if study.map is None else study.map.values[[0, -1]].tolist()
-        reach, largest = REACH * (top - bottom), study.largest_tau
-        there = [] if largest is None or study.map is None else np.flatnonzero(largest.found).tolist()
-        names = [study.methods[k] for k in there]
-        self._limit.visible = bool(there)
+    def _show_limit(self, study: core.StabilityStudy, method: str) -> None:
+        """Draw the line about the start for which it holds, within the ends of the map."""
+        there = study.map is not None and draws_line(study, method)
+        self._limit.visible = there
+        if not there or study.map is None or study.largest_tau is None:
+            assign(self.limits, **{name: [] for name in self.limits.data})
+            return
+        start, (bottom, top) = float(study.x0[study.coordinate]), study.map.values[[0, -1]].tolist()
+        reach, line = REACH * (top - bottom), line_of(method)
         self.limits.data = {
-            "x": [] if largest is None else largest.tau[there],
-            "low": [min(max(start - reach, bottom), top) for _ in there],
-            "high": [max(min(start + reach, top), bottom) for _ in there],
-            "colour": [line_of(name).colour for name in names],
-            "dash": [list(line.dash) for line in together(map(line_of, names))],
-            "entry": [LIMIT + name for name in names],
+            "x": study.largest_tau.tau[[study.methods.index(method)]],
+            "low": [min(max(start - reach, bottom), top)],
+            "high": [max(min(start + reach, top), bottom)],
+            "colour": [line.colour],
+            "dash": [list(line.dash)],
         }
 
 

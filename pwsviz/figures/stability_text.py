@@ -17,7 +17,7 @@ from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import listed, plural, rounded_up
 
-__all__ = ["draws_lines", "runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
+__all__ = ["draws_line", "runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
 
 UNKNOWN = "–"
 """In place of a number that is not known, or that there is not."""
@@ -63,38 +63,32 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     methods = listed(study.methods)
     if part == "map":
         start = printed(f"{variable_name(study.coordinate_name)} = {study.x0[study.coordinate]:.6g}")
-        drawn = study.largest_tau if draws_lines(study) else None
-        lines = f", and {_lines(study)} only to the start {start}, {_until(study, drawn)}" if drawn is not None else ""
-        return f"each cell represents a run of {method} to t = {study.t_span[1]:.6g}{lines}"
+        limits = study.largest_tau if draws_line(study, method) else None
+        line = f", and the line refers only to the start {start}, {_until(study, limits)}" if limits is not None else ""
+        return f"each cell represents a run of {method} to t = {study.t_span[1]:.6g}{line}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
         return f"integrated by {methods} with step size τ = {tau:.6g} to t = {steps * tau:,.6g}"
     return f"integrated by {methods}"
 
 
-def _lines(study: core.StabilityStudy) -> str:
-    """Return “the line refers”, or “the lines refer”, of largest step sizes."""
-    several = study.largest_tau is not None and np.count_nonzero(study.largest_tau.found) > 1
-    return "the lines refer" if several else "the line refers"
+def draws_line(study: core.StabilityStudy, method: str) -> bool:
+    """Whether there is a line of the largest successful step size in the map of an integrator."""
+    return study.largest_tau is not None and bool(study.largest_tau.found[study.methods.index(method)])
 
 
-def draws_lines(study: core.StabilityStudy) -> bool:
-    """Whether there are lines of largest step sizes in the map."""
-    return study.largest_tau is not None and bool(study.largest_tau.found.any())
-
-
-def _grid(study: core.StabilityStudy, lines_too: bool) -> str:
-    """Say of which runs the map consists, and for which start its lines hold; empty while there is no map."""
+def _grid(study: core.StabilityStudy, limits_too: bool) -> str:
+    """Say of which runs the map consists, and for which start the largest step sizes hold; empty without a map."""
     if study.map is None:
         return ""
     taus, values = study.map.taus, study.map.values
     varied = variable_name(study.coordinate_name)
     across, up = f"τ from {taus[0]:.3g} to {taus[-1]:.3g}", f"from {values[0]:.4g} to {values[-1]:.4g}"
     name = f"initial {varied} {up}"
-    drawn = lines_too and draws_lines(study)
-    until = _until(study, study.largest_tau) if study.largest_tau is not None else ""
-    lines = f"“Largest successful τ” refers only to the chosen start, {until}. " * drawn
-    return f"{len(taus)} × {len(values)} values: {across} (logarithmically spaced), {name}. {lines}"
+    limits = ""
+    if limits_too and study.largest_tau is not None and study.largest_tau.found.any():
+        limits = f"“Largest successful τ” refers only to the chosen start, {_until(study, study.largest_tau)}. "
+    return f"{len(taus)} × {len(values)} values: {across} (logarithmically spaced), {name}. {limits}"
 
 
 def _ends_early(study: core.StabilityStudy) -> str:
@@ -249,6 +243,8 @@ def _drifts(study: core.StabilityStudy, drift: Drift) -> Numbers:
     for name, error, status, message in zip(study.methods, drift.error, drift.status, drift.message, strict=True):
         known = np.flatnonzero(np.isfinite(error))
         until = f"{drift.t[known[-1]]:,.6g}" if len(known) else UNKNOWN
+        if message:  # between two of these times
+            until = "its end"
         going = "under way" if status is core.Status.RUNNING else "reaches the end"
         rows.append((name, _at_most(float(np.fmax.reduce(error))), until, on_page(message) or going))
     return Numbers(("integrator", "|Δψ| at most", "up to t", "outcome"), tuple(rows))

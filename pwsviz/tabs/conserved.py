@@ -34,7 +34,8 @@ class ErrorPicture(NamedTuple):
     """Why no step was made, where none was."""
 
 
-DEFINED = "|Δψ| is the change of ψ since the start, without the changes that the system itself makes at {met}."
+DEFINED = "|Δψ| is the change of ψ since the start{apart}."
+APART = ", without the changes that the system itself makes at {met}"
 """What the axis shows, in a line; captions say more."""
 
 
@@ -87,8 +88,9 @@ class ConservedTab(Tab):
 
     def details(self, outcome: ErrorPicture) -> str:
         """Return what the axis shows."""
-        met = met_at_surfaces(outcome.system)
-        return DEFINED.format(met=met) * (outcome.system.laws.most_conserved > 0 and not outcome.unmoved)
+        there = outcome.system.laws.most_conserved > 0 and not outcome.unmoved
+        crosses = any(len(curve.crossings) for curve in outcome.curves)
+        return DEFINED.format(apart=APART.format(met=met_at_surfaces(outcome.system)) * crosses) * there
 
     def heading(self, outcome: ErrorPicture) -> str:
         """Return whether the figure shows the error of ψ, or that of g while sliding."""

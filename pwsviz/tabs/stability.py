@@ -13,7 +13,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import Shown
-from pwsviz.figures.stability_text import draws_lines, runs_drawn
+from pwsviz.figures.stability_text import draws_line, runs_drawn
 from pwsviz.geometry.section_crossings import may_slide
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN, met_at_surfaces
@@ -143,7 +143,7 @@ class StabilityTab(LongTab):
         """Return which runs are successful, for captions of the map, whose lines are named so, or what the error is."""
         part, known = self.scene.stability_part, self.scene.declaration.laws.most_conserved > 0
         known = known and any(core.METHODS[name].conservative for name in outcome.methods)
-        if part == "map" and not draws_lines(outcome):
+        if part == "map" and not draws_line(outcome, self.scene.selected_method):
             return ""
         return MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))
 

@@ -6,7 +6,7 @@ from time import time
 import pytest
 
 from pwsviz.scene.views import VIEWS
-from tests.browser.looking import await_built, await_painted, becomes, canvas
+from tests.browser.looking import BLANK_KEYS, await_built, await_painted, becomes, canvas
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
 pytestmark = pytest.mark.browser
@@ -388,14 +388,6 @@ def test_on_a_phone_on_its_side_portrait_and_view_stand_side_by_side(visit):
     assert portrait["y"] < view["y"] < 200, "both begin on the screen"
 
 
-BLANK = """() => [...Bokeh.index.query(view => view.model.type == "Legend")].flatMap(({ entries }) =>
-    entries.filter(({ el }) => el.offsetWidth > 0).filter(({ glyph: { canvas } }) => {
-        const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height)
-        return data.every(value => value == 0)
-    }).map(({ label }) => label))"""
-"""The entries of all legends that are shown without a key."""
-
-
 @pytest.mark.deep
 def test_each_entry_of_a_legend_shows_its_key_whatever_was_shown_before(visit):
     page = visit()
@@ -405,11 +397,11 @@ def test_each_entry_of_a_legend_shows_its_key_whatever_was_shown_before(visit):
         systems.select_option(label=system)
         page.get_by_text(re.compile("^dmm2: .* steps")).locator("visible=true").wait_for()
         page.wait_for_timeout(1500)
-        assert becomes(page, lambda: page.evaluate(BLANK) == []), (system, page.evaluate(BLANK))
+        assert becomes(page, lambda: page.evaluate(BLANK_KEYS) == []), (system, page.evaluate(BLANK_KEYS))
     box = canvas(page, "Phase portrait").bounding_box()
     page.mouse.move(box["x"] + 200, box["y"] + 150)
     page.mouse.down()
     page.mouse.move(box["x"] + 400, box["y"] + 350, steps=5)
     page.mouse.up()
     page.wait_for_timeout(1500)
-    assert becomes(page, lambda: page.evaluate(BLANK) == []), page.evaluate(BLANK)
+    assert becomes(page, lambda: page.evaluate(BLANK_KEYS) == []), page.evaluate(BLANK_KEYS)

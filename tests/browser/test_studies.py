@@ -88,17 +88,16 @@ def test_a_click_on_the_map_goes_there(visit):
 
 LIMITS = f"""() => {{
     const figure = ({FIGURE})("Outcome of runs")
-    const limits = figure?.rows.find(row => "entry" in row)
-    if (limits == null || limits.x.length < 2) {{ return null }}
+    const limits = figure?.rows.find(row => "low" in row && "high" in row && "dash" in row)
+    if (!(limits?.x.length > 0)) {{ return null }}
     const legend = [...Bokeh.index.query(view => view.model.type == "Legend")].flatMap(({{entries}}) => entries)
     return legend.map(entry => entry.label)
 }}"""
 
 
-def test_the_legend_of_the_map_has_a_line_for_the_limit_of_each_integrator(visit):
+def test_the_legend_of_the_map_has_a_line_for_the_largest_successful_step_size(visit):
     page = visit(query="v=2&view=stability&methods=dmm2,rk2&t_end=5")
-    wanted = {f"largest successful τ: {name}" for name in ("dmm2", "rk2")}
-    await_that(page, LIMITS, lambda seen: wanted <= {*seen})
+    await_that(page, LIMITS, lambda seen: "largest successful τ" in seen)
     assert page.evaluate(BLANK_KEYS) == []
 
 

@@ -244,7 +244,7 @@ def test_a_drift_is_rounded_to_the_nearest_and_goes_to_the_end_of_the_run():
 
 def test_an_error_that_comes_and_goes_is_no_drift():
     waves = curve(1e-3 * np.sin(np.linspace(0, 60, 1000)) ** 2, "rk4")
-    assert conserved_text([waves]) == "rk4 shows no drift up to t = 20: max |Δψ| = 10⁻³."
+    assert conserved_text([waves]) == "rk4 shows no drift so far, up to t = 20: max |Δψ| = 10⁻³."
 
 
 def test_a_drift_that_an_oscillation_hides_is_not_denied():

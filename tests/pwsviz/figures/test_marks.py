@@ -104,7 +104,7 @@ def test_starts_beyond_a_wall_are_named():
 def test_a_start_from_which_methods_stop_for_different_reasons_is_named_once():
     scene = Scene(system="predator_prey", starts=((0.5, 1.0), (-0.5, 1.0)), methods=["dmm2", "rk2"])
     told = figures_of(Results().pictures(PortraitInputs.of(scene)))
-    assert "Start 1 of 2. Of the others, 2 (no solution or blow-up) stops early." in told
+    assert "Start 1 of 2. Start 2 stops early (no solution or blow-up)." in told
 
 
 def test_markers_that_are_painted_smaller_are_given_larger_sizes():
