@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.error_curve import ROUND_OFF, ErrorCurve
-from pwsviz.text.numbers import RAISED, printed
+from pwsviz.text.numbers import RAISED
 from pwsviz.text.words import rounded, rounded_up, whose_marks
 
 __all__ = [
@@ -38,6 +38,9 @@ STEADY = 0.2
 
 LOST = 0.1
 """|Δψ|, relative to the size of ψ’s terms, from which on no bound is told: less than a digit of ψ is right."""
+
+RELATIVE = "relative:"
+"""Before a change of ψ as part of the size of ψ’s terms."""
 
 NEAR_ONE = 10.0
 """Factor by which the size of ψ’s terms must differ from 1 for a change to be stated relative to it, too."""
@@ -99,7 +102,7 @@ def conserved_text(curves: Sequence[ErrorCurve]) -> str:
     if not told:
         return ""
     words = "; ".join(told) + "."
-    terms = " The size of ψ’s terms is |ψ| + Σ |xₖ ∂ψ/∂xₖ|." * ("ψ’s terms" in words)
+    terms = " “Relative” is to |ψ| + Σ |xₖ ∂ψ/∂xₖ|." * (RELATIVE in words)
     return words + terms + _about_marks(curves)
 
 
@@ -192,10 +195,7 @@ def _relative(error: float, size: float) -> str:
     """Return an error relative to the size of ψ’s terms, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
-    about = f"{size:.2g}"
-    # Of the numbers that are printed, so that they agree.
-    share = rounded(float(f"{error:.1e}") / float(about))
-    return printed(f" ({share} times the size of ψ’s terms, about {about})")
+    return f" ({RELATIVE} {rounded(error / size)})"
 
 
 def largest(error: Floats) -> str:
