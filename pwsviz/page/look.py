@@ -30,6 +30,7 @@ TABS_SX = {
         "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "4px", "letterSpacing": 0,
         "fontSize": "min(0.775rem, max(12.4px, 1.25cqi))",  # what is larger in lecture mode keeps to one row, too
     },
+    f"@media (height < {LOW}px)": {".MuiTab-root": {"minHeight": 30, "paddingY": "4px"}},  # two rows on a phone
     ".MuiTabs-list": {"flexWrap": "wrap"},
     "@container (880px <= width < 1060px)": {".MuiTabs-list": {"maxWidth": "330px"}},  # too narrow for one row
     ".MuiTabs-indicator": {"display": "none"},  # knows of one row only
