@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.codegen.rounding import rounding_bound
+from core.diagnostics.doubtful_steps import doubtful_steps
+from core.diagnostics.narrow_features import Way, dips_between
 from core.diagnostics.unlike_steps import stretches, unlike_steps
 from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
-from core.symbolic.expressions import parse
+from core.symbolic.expressions import TIME, parse
 
 __all__ = ["resolvable", "unresolved"]
 
@@ -77,11 +79,11 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     kept = _steps(run, samples[:, 0], samples[:, 3:], samples[:, 1].astype(np.int64), samples[:, 2])
     if run.status in _RUNS_AWAY:  # no step is short enough where the solution escapes
         return tuple(kept.too_long_for_g(kept.hides_before_it_runs_away()))
-    first = _first_steps(run)
-    of_g = (*kept.too_long_for_g(kept.hides()), *first.too_long_for_g(first.hides()))
-    of_events = kept.too_long_for_events()
+    first, doubtful = _first_steps(run), _doubtful(run)
+    of_g = (words for steps in (kept, first, doubtful) for words in steps.too_long_for_g(steps.hides()))
+    of_events = (words for steps in (kept, doubtful) for words in steps.too_long_for_events())
     of_field = _too_long_for_the_field((kept, _unlike(run), first))
-    return (*of_g[:1], *of_events, *islice(of_field, 1))
+    return (*islice(of_g, 1), *dict.fromkeys(of_events), *islice(of_field, 1))
 
 
 def resolvable(run: Trajectory, t: Floats) -> NDArray[np.bool_]:
@@ -117,6 +119,12 @@ def _unlike_recorded(run: Trajectory) -> _Steps:
     cut = run.segment[k + 1] != run.segment[k]
     h[cut] = run.crossings.t[run.segment[k[cut]]] - run.t[k[cut]]
     return _steps(run, run.t[k], run.x[k], run.mode[k], h)
+
+
+def _doubtful(run: Trajectory) -> _Steps:
+    """Those that bounds leave in doubt."""
+    k = doubtful_steps(run)
+    return _steps(run, run.t[k], run.x[k], run.mode[k], run.t[k + 1] - run.t[k])
 
 
 def _first_steps(run: Trajectory) -> _Steps:
@@ -229,15 +237,20 @@ class _Steps:
         times = t[:, None] + h * places
         states = np.concatenate([x[:, None], self.states(t, x, self.mode[rows], times[:, 1:])], axis=1)
         law, hidden = system.laws.mode(number).written, np.zeros(len(rows), dtype=bool)
+        rates = system.laws.evaluate(("field", number), law.field, times, states, system.parameter_array)
+        way, symbols = Way(times, states, rates), (TIME, *system.laws.x, *system.laws.p)
         for k, height in enumerate(law.heights):
             rate = law.rate_of(height)
             wanted = (height, rate, rounding_bound(height), rounding_bound(rate))
             values = system.laws.evaluate(("height", number, k), wanted, times, states, system.parameter_array)
             g, rate, noise, noise_of_rate = np.moveaxis(values, 2, 0)
-            sign = np.where(h < 0.0, -1.0, 1.0) if law.turns(k) else 1.0  # see `Mode.heights`
+            sign = -1.0 if law.turns(k) and (h < 0.0).any() else 1.0  # see `Mode.heights`
             with np.errstate(all="ignore"):
                 noise, noise_of_rate = _ROUNDINGS * noise, _ROUNDINGS * np.abs(h) * noise_of_rate
                 hidden |= self._hides_roots(places, sign * g, sign * h * rate, noise, noise_of_rate, beyond)
+                above = sign * g > noise
+            between = above[:, 1:] & above[:, :-1]
+            hidden |= dips_between(int(sign) * height, symbols, way, system.parameter_array, between)
         return hidden
 
     def _hides_roots(
@@ -259,9 +272,18 @@ class _Steps:
     def too_long_for_events(self) -> Iterator[str]:
         """Warn of a step in which an event function changes its sign between two places, and no event lies there."""
         system, places = self.run.system, _places(len(self.t))
+        if not self.run.events.functions:
+            return
         names = (*system.variables, *system.values)
         times = self.t[:, None] + self.h[:, None] * places
         states = np.concatenate([self.x[:, None], self.states(self.t, self.x, self.mode, times[:, 1:])], axis=1)
+        rates = np.empty_like(states)
+        for number in np.unique(self.mode).tolist():
+            rows, law = self.mode == number, system.laws.mode(number).written
+            rates[rows] = system.laws.evaluate(
+                ("field", number), law.field, times[rows], states[rows], system.parameter_array
+            )
+        way, symbols = Way(times, states, rates), (TIME, *system.laws.x, *system.laws.p)
         for k, text in enumerate(self.run.events.functions):
             function, values = parse(text, names), np.empty_like(times)
             for number in np.unique(self.mode).tolist():
@@ -269,7 +291,10 @@ class _Steps:
                 values[rows] = system.laws.evaluate(
                     ("event", text), (function,), times[rows], states[rows], system.parameter_array
                 )[..., 0]
-            missed = self._has_missed(k, times, values)
+            missed, empty = self._has_missed(k, times, values), self._has_none_between(k, times, values)
+            for sign in (1, -1):
+                between = empty & (sign * values[:, 1:] > 0.0) & (sign * values[:, :-1] > 0.0)
+                missed |= dips_between(sign * function, symbols, way, system.parameter_array, between)
             if missed.any():
                 yield (
                     f"{self._step(np.argmax(missed))} is too long for the event function {text!r}: from there on it "
@@ -279,14 +304,10 @@ class _Steps:
     def _has_missed(self, k: int, times: Floats, values: Floats) -> NDArray[np.bool_]:
         """Whether, in each step, event function k has a change of sign between places (steps, places) without event.
 
-        Places where it is so small that rounding may give it its sign are passed over, and those beyond the end of a
-        run that an event has ended.
+        Places are passed over that tell no sign.
         """
-        events, way, end = self.run.events.of(k), self.run.events.directions[k], self.run.t[-1]
-        missed = np.zeros(len(values), dtype=bool)
-        with np.errstate(all="ignore"):
-            told = np.abs(values) > _SMALL * np.nanmax(np.abs(values), axis=1, keepdims=True, initial=0.0)
-        told &= (times - end) * self.h[:, None] < 0.0
+        events, way = self.run.events.of(k), self.run.events.directions[k]
+        missed, told = np.zeros(len(values), dtype=bool), self._is_told(times, values)
         for row in np.flatnonzero((told & (values > 0.0)).any(axis=1) & (told & (values < 0.0)).any(axis=1)):
             order = slice(None) if self.h[row] > 0.0 else slice(None, None, -1)
             t, sign = times[row, told[row]][order], np.sign(values[row, told[row]])[order]
@@ -297,6 +318,17 @@ class _Steps:
                 within = np.searchsorted(found, t[wanted + 1], "right") - np.searchsorted(found, t[wanted])
                 missed[row] |= bool((within == 0).any())
         return missed
+
+    def _has_none_between(self, k: int, times: Floats, values: Floats) -> NDArray[np.bool_]:
+        """Whether no event of function k lies between neighbouring places (steps, places) that both tell a sign."""
+        before, told = np.searchsorted(np.sort(self.run.events.of(k).t), times), self._is_told(times, values)
+        return np.asarray((before[:, 1:] == before[:, :-1]) & told[:, 1:] & told[:, :-1])
+
+    def _is_told(self, times: Floats, values: Floats) -> NDArray[np.bool_]:
+        """Whether the sign of an event function is not that of rounding, and the place not beyond the end."""
+        with np.errstate(all="ignore"):
+            told = np.abs(values) > _SMALL * np.nanmax(np.abs(values), axis=1, keepdims=True, initial=0.0)
+        return np.asarray(told & ((times - self.run.t[-1]) * self.h[:, None] < 0.0))
 
     def departures(self) -> _Departures:
         """How far each step leads elsewhere than shorter ones do, one after the other.

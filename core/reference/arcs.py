@@ -16,10 +16,10 @@ from core.interface.cancelling import Cancel, raise_if
 from core.reference.first_root import FirstRoot, TooLongError, newton, zero_between
 from core.reference.guard import Enclosure, Guard, Polynomial
 from core.reference.powers import GUARD, Field, Step
-from core.reference.program import Digits
 from core.reference.slow_flow import FastPart, SlowFlow
 from core.reference.solution import Arrival, State
 from core.reference.transitions import Entry
+from core.symbolic.program import Digits
 
 __all__ = ["ExactArc", "Level", "Motion", "zero_of"]
 

@@ -20,12 +20,12 @@ from core.interface.cancelling import Cancel
 from core.reference.arcs import ExactArc, Level, Motion, zero_of
 from core.reference.laws_in_numbers import followed_field
 from core.reference.powers import GUARD
-from core.reference.program import Digits, Program
 from core.reference.recognition import exact_numbers
 from core.reference.solution import MAX_CROSSINGS, ReferenceSolution, State, Stop
 from core.reference.transitions import Dynamics, Entry, Transitions
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
+from core.symbolic.program import Digits, Program
 
 __all__ = ["ExactSolution", "exact_solution"]
 

@@ -10,11 +10,11 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from core.reference.intervals import Interval, Intervals, around
 from core.reference.powers import Step
-from core.reference.program import Digits, Doubles, Program
 from core.symbolic.expressions import TIME
+from core.symbolic.intervals import Interval, Intervals, around
 from core.symbolic.mode import rate_along
+from core.symbolic.program import Digits, Doubles, Program
 
 __all__ = ["Enclosure", "Guard", "Polynomial"]
 

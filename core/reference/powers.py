@@ -16,7 +16,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from core.reference.program import Constant, Digits, Node, Program
+from core.symbolic.program import Constant, Digits, Node, Program
 
 __all__ = ["GUARD", "Field", "Step"]
 

@@ -21,8 +21,8 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from core.reference.program import Digits, Program
 from core.reference.solution import State
+from core.symbolic.program import Digits, Program
 
 __all__ = ["FastPart", "SlowFlow"]
 

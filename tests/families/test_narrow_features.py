@@ -105,3 +105,37 @@ def test_a_surface_that_is_met_within_a_step_is_seen_or_warned_of(draws, kind, m
         crossings = int(np.abs(np.diff(HEIGHTS[kind][1](x, **p) > 0.0)).sum())
         run = core.integrate(system, (0.0, 6.0), method=method, **_settings(method, p["b"]))
         assert len(run.crossings) == crossings or not silent(run), f"{len(run.crossings)} of {crossings}: {p}"
+
+
+#: A point that moves ever slower, x = 3 sin t: its cubic between two places is not the way itself.
+_SLOWING = ("v", "-x")
+
+
+def _met(kind: str, p: dict[str, float], end: float) -> int:
+    """How often a point that moves from x = 0 to `end` meets a surface of a kind, at places as close as it is narrow."""
+    near = p["c"] + p["b"] * np.sinh(np.linspace(-20.0, 20.0, 40001))
+    x = np.sort(np.concatenate([np.linspace(0.0, end, 10001), near[(near > 0.0) & (near < end)]]))
+    return int(np.abs(np.diff(HEIGHTS[kind][1](x, **p) > 0.0)).sum())
+
+
+@pytest.mark.parametrize("method", deep_but(("taylor", "rk4"), ("taylor", "dmm2", "rk2", "rk4", "rk8", "gauss4")))
+@pytest.mark.parametrize("kind", HEIGHTS)
+@pytest.mark.parametrize("what", ["surface", "moving surface", "event"])
+def test_what_is_narrower_than_the_distance_of_all_places_is_seen_or_warned_of(draws, kind, method, what):
+    for rng in draws(6):
+        p = {"a": rng.uniform(2, 8), "b": 10 ** rng.uniform(-7.0, -1.0), "c": rng.uniform(0.5, 1.4)}
+        height = HEIGHTS[kind][0]
+        if what == "moving surface":
+            field, met = ("1", "0*x"), _met(kind, p, 1.5)
+            height = height.replace("(x - c)", "(t - c)").replace("x - 5", "t - 5 + v - 3")
+        else:
+            p["c"] *= 2.0
+            field, met = _SLOWING, _met(kind, p, 3.0 * np.sin(1.5))
+        g, events = ("x - 40", (height,)) if what == "event" else (height, ())
+        system = core.PiecewiseSystem(
+            "narrow", ("x", "v"), field, field, g, parameters={n: float(v) for n, v in p.items()}, x0=(0.0, 3.0)
+        )
+        settings = {} if method == "taylor" else {"tau": float(10 ** rng.uniform(-2.0, -0.7))}
+        run = core.integrate(system, (0.0, 1.5), method=method, events=events, **settings)
+        found = len(run.events.t) if what == "event" else len(run.crossings)
+        assert found == met or not silent(run), f"{found} of {met}: {p}, {settings}"

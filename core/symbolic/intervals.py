@@ -1,4 +1,4 @@
-"""Interval arithmetic on arrays: bounds on g over short times, from bounds on the state there.
+"""Interval arithmetic on arrays: bounds on expressions, such as g over short times from bounds on the state there.
 
 Every operation is rounded outwards by more than its round-off, so that the result encloses the true value. Where an
 operation is not defined throughout an interval, its bounds are infinite or nan; no comparison with them succeeds, so
@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from core.reference.program import Constant, Doubles
+from core.symbolic.program import Constant, Doubles
 
 __all__ = ["Interval", "Intervals", "around"]
 
