@@ -110,7 +110,7 @@ class CostView:
         drawn = [_Drawn(curve, across, up, bottom) for curve in study.curves]
         drawn = [one for one in drawn if one.there.any()]
         self.curves.data = {
-            "xs": [one.cost for one in drawn],
+            "xs": [one.joined for one in drawn],
             "ys": [one.height for one in drawn],
             "colour": [one.line.colour for one in drawn],
             "dash": [list(line.dash) for line in together(one.line for one in drawn)],
@@ -142,6 +142,11 @@ class _Drawn:
         self.cost: Floats = np.where(self.there, cost, np.nan)
         self.height: Floats = np.where(self.there, np.maximum(self.error, bottom), np.nan)
         """(m,) errors as drawn, those below the plot at its lower end, and NaN for a gap."""
+
+    @property
+    def joined(self) -> Floats:
+        """(m,) costs of the points that are joined: not those of runs with another sequence of crossings."""
+        return np.where(self.curve.correct_sequence, self.cost, np.nan)
 
     def points(self) -> Iterator[dict[str, Any]]:
         """Yield the columns of each point."""

@@ -27,7 +27,7 @@ from pwsviz.scene.equations import equations, indexed
 from pwsviz.scene.names import met_at_surfaces, readable, short_name
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import brief, printed
-from pwsviz.text.words import as_text, listed
+from pwsviz.text.words import JUMPS_MARKED, as_text, listed
 
 __all__ = [
     "SUMMARY", "figures_of", "law_line", "law_markup", "parted_words", "portrait_note", "portrait_text",
@@ -87,10 +87,9 @@ def marks_text(pictures: Pictures) -> str:
     drawn = [*pictures.orbits, *pictures.others]
     if not any(orbit.kinds for orbit in drawn):
         return ""
-    whose = "Marks at surfaces are those of all integrators" if len(pictures.orbits) > 1 else ""
+    whose = "Marks at surfaces are those of all integrators." if len(pictures.orbits) > 1 else ""
     jumps = any("jump" in orbit.kinds for orbit in drawn)
-    before = "those of jumps are at the states before them" if whose else "Marks of jumps are at the states before them"
-    return f"{'; '.join(filter(None, [whose, before * jumps]))}." if whose or jumps else ""
+    return " ".join(filter(None, [whose, JUMPS_MARKED * jumps]))
 
 
 def which_start(pictures: Pictures) -> str:

@@ -20,7 +20,7 @@ from pwsviz.results.states import StateCurves
 from pwsviz.tabs.base import Tab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
-from pwsviz.text.words import STEPS_MARKED, listed, whose_marks
+from pwsviz.text.words import JUMPS_MARKED, STEPS_MARKED, listed, whose_marks
 
 
 class StatePicture(NamedTuple):
@@ -86,7 +86,8 @@ class StateTab(Tab):
         """Return what dots are, and whose crossings are marked, for captions."""
         dots = STEPS_MARKED * any(len(curve.steps[0]) for curve in outcome.curves)
         marks = whose_marks([curve.method for curve in outcome.curves], len(outcome.first.crossings))
-        return " ".join(filter(None, [dots, marks]))
+        jumps = JUMPS_MARKED * (outcome.first.tally.jumps > 0)
+        return " ".join(filter(None, [dots, marks, jumps]))
 
     def pictures(self) -> list[figure]:
         """Return all panels."""

@@ -50,6 +50,10 @@ STEPS_MARKED = "Dots are the ends of steps, between which the integrators interp
 """What captions say of curves on which steps are marked."""
 
 
+JUMPS_MARKED = "Marks of jumps are at the states before them."
+"""What captions say of marks where the state jumps."""
+
+
 def whose_marks(methods: Sequence[str], crossings: int) -> str:
     """Say of several integrators whose shades are shown, and whose crossings are marked if there are any."""
     shown = "Marks at surfaces and shading are those" if crossings else "Shading is that"

@@ -225,6 +225,7 @@ def test_a_run_with_other_crossings_never_wins_and_is_drawn_hollow():
     view.show(study(DMM2, wrong), "seconds", "state")
     assert (view.wrong.data["x"], view.wrong.data["label"]) == ([1e-9], ["rk2"])
     assert 1e-9 not in view.points.data["x"]
+    assert 1e-9 not in view.curves.data["xs"][-1], "no line joins it to those of the right runs"
     assert view.figure.legend[0].items[1].visible
     view.show(BOTH, "seconds", "state")
     assert not view.figure.legend[0].items[1].visible
