@@ -112,7 +112,7 @@ _SLOWING = ("v", "-x")
 
 
 def _met(kind: str, p: dict[str, float], end: float) -> int:
-    """How often a point that moves from x = 0 to `end` meets a surface of a kind, at places as dense as it is narrow."""
+    """How often a point that moves from x = 0 to `end` meets a surface, at places as dense as it is narrow."""
     near = p["c"] + p["b"] * np.sinh(np.linspace(-20.0, 20.0, 40001))
     x = np.sort(np.concatenate([np.linspace(0.0, end, 10001), near[(near > 0.0) & (near < end)]]))
     return int(np.abs(np.diff(HEIGHTS[kind][1](x, **p) > 0.0)).sum())
