@@ -43,7 +43,7 @@ CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
 LIMIT = "largest successful τ"
-"""Legend of the lines, before the name of the integrator."""
+"""Legend of the line."""
 
 REACH = 0.06
 """Part of the height of the map by which these lines extend above and below the start for which they hold."""
