@@ -25,12 +25,13 @@ GROUND = """canvas => {
 
 
 BLANK_KEYS = """() => [...Bokeh.index.query(view => view.model.type == "Legend")].flatMap(({entries}) => entries
-    .filter(({glyph: {canvas}}) => {
+    .filter(({el, glyph: {canvas}}) => {
+        if (!(el.offsetWidth > 0)) { return false }
         const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data
         return pixels.every(value => value == 0)
     })
     .map(entry => entry.label))"""
-"""The entries of legends beside which no key is painted."""
+"""The entries of legends that are shown beside which no key is painted."""
 
 UNPRINTED = """() => {
     const found = []
