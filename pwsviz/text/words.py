@@ -66,8 +66,9 @@ def plural(count: int, noun: str) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in seconds, or in milliseconds below one second."""
-    return f"{seconds:.2f} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"
+    """Return a time in seconds, or in milliseconds below one second: two digits, which is what a clock repeats."""
+    value, unit = (seconds, "s") if seconds >= 1 else (seconds * 1e3, "ms")
+    return f"{float(f'{value:.2g}'):g} {unit}"
 
 
 def upper_bound(value: float) -> float:

@@ -210,8 +210,8 @@ def test_on_a_phone_every_view_is_in_sight_and_the_controls_leave_the_portrait_s
         drawer.wait_for(state="hidden")
     assert len(phone.evaluate(PORTRAIT)["stars"]) == 1, "the tap beside the controls places nothing"
     double_tap(phone, inside(phone.evaluate(PORTRAIT), 0.3, 0.7))
-    phone.wait_for_timeout(1000)
-    assert len(phone.evaluate(PORTRAIT)["stars"]) == 1, "two taps fit"
+    phone.wait_for_timeout(1000)  # the first of them places a star for a moment, or longer while the server is busy
+    assert becomes(phone, lambda: len(phone.evaluate(PORTRAIT)["stars"]) == 1), "two taps fit"
 
 
 @pytest.mark.deep

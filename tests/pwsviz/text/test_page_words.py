@@ -27,9 +27,9 @@ def summary(**changes):
 
 def test_a_run_in_one_line():
     words = re.sub("<.*?>", "", run_lines([summary()]))
-    assert words == "dmm2: 60,000 steps, 1 crossing, 4.81 ms, max |Δψ| = 8.2×10⁻¹⁶"
+    assert words == "dmm2: 60,000 steps, 1 crossing, 4.8 ms, max |Δψ| = 8.2×10⁻¹⁶"
     words = re.sub("<.*?>", "", run_lines([summary(met=core.Tally(3, slides=2, ends=1))]))
-    assert words.startswith("dmm2: 60,000 steps, 3 crossings, 2 slides, 4.81 ms")
+    assert words.startswith("dmm2: 60,000 steps, 3 crossings, 2 slides, 4.8 ms")
 
 
 def test_runs_that_stopped_say_why_once():
@@ -81,7 +81,9 @@ def test_words_for_counts_and_times():
     assert plural(1, "step") == "1 step"
     assert plural(2000, "step") == "2,000 steps"
     assert duration(0.0048) == "4.8 ms"
-    assert duration(2.5) == "2.50 s"
+    assert duration(0.0000984) == "0.098 ms"
+    assert duration(0.2512) == "250 ms"
+    assert duration(2.5) == "2.5 s"
 
 
 @pytest.mark.parametrize(
