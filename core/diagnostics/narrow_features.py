@@ -19,7 +19,7 @@ from core.kernels.arrays import Floats
 from core.symbolic.intervals import Interval, Intervals
 from core.symbolic.program import Program
 
-__all__ = ["Way", "dips_between", "doubts"]
+__all__ = ["Dips", "Way", "dips_between", "doubts"]
 
 #: Parts into which a piece is cut.
 _PARTS = 8
@@ -75,10 +75,19 @@ class _Cubics(NamedTuple):
         return np.asarray(c0 + part * (c1 + part * (c2 + part * c3)))
 
 
+class Dips(NamedTuple):
+    """What bounds tell of a height in k steps, between the places of each."""
+
+    found: NDArray[np.bool_]
+    """(k,): it is negative somewhere between places at which it is positive."""
+    none: NDArray[np.bool_]
+    """(k, n - 1): it is positive throughout, from one place to the next."""
+
+
 def dips_between(
     height: Expr, symbols: Sequence[Symbol], way: Way, parameters: Floats, wanted: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
-    """Whether, in each step, a height is negative somewhere between places at which it is positive.
+) -> Dips:
+    """Search steps for pairs of zeros of a height between places at which it is positive.
 
     Parameters
     ----------
@@ -95,27 +104,29 @@ def dips_between(
 
     Returns
     -------
-    (k,) array of bool
+    Dips
     """
-    found = np.zeros(len(wanted), dtype=bool)
+    found, none = np.zeros(len(wanted), dtype=bool), wanted.ravel().copy()
     with np.errstate(all="ignore"):
         cubics, search = _Cubics.of(way), _Search(height, symbols, parameters)
-        there = wanted.ravel() & np.isfinite(cubics.coefficients).all(axis=(0, 2))
-        number, row = np.flatnonzero(there), np.repeat(np.arange(len(wanted)), wanted.shape[1])
+        none &= np.isfinite(cubics.coefficients).all(axis=(0, 2))
+        number, row = np.flatnonzero(none), np.repeat(np.arange(len(wanted)), wanted.shape[1])
         begin, width = np.zeros(len(number)), 1.0
         for _ in range(_CUTS + 1):
             low, high = search.bounds(*cubics.boxes(number, begin, width))
             found[row[number[high < 0.0]]] = True
             undecided = np.flatnonzero(~(low > 0.0) & ~found[row[number]])
             if len(undecided) > _MOST:
-                lowest = np.nan_to_num(low[undecided], nan=-np.inf)
-                undecided = undecided[np.argpartition(lowest, _MOST)[:_MOST]]
+                lowest = np.argpartition(np.nan_to_num(low[undecided], nan=-np.inf), _MOST)
+                none[number[undecided[lowest[_MOST:]]]] = False
+                undecided = undecided[lowest[:_MOST]]
             width /= _PARTS
             begin = (begin[undecided, None] + width * np.arange(_PARTS)).ravel()
             number = np.repeat(number[undecided], _PARTS)
             if not len(number):
                 break
-    return found
+        none[number] = False
+    return Dips(found, none.reshape(wanted.shape) & ~found[:, None])
 
 
 def doubts(height: Expr, symbols: Sequence[Symbol], way: Way, parameters: Floats, values: Floats) -> Floats:

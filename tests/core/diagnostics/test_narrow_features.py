@@ -22,21 +22,25 @@ def circle(count, radius=1.0):
 
 def dips(height, way):
     wanted = np.ones((1, way.times.shape[1] - 1), dtype=bool)
-    return bool(dips_between(height, SYMBOLS, way, np.empty(0), wanted)[0])
+    dips = dips_between(height, SYMBOLS, way, np.empty(0), wanted)
+    assert not (dips.found[0] and dips.none.any())
+    return bool(dips.found[0]), bool(dips.none.all())
 
 
 @pytest.mark.parametrize("width", 10.0 ** np.arange(-7, 0))
 @pytest.mark.parametrize("along", [TIME, X, Y])
 def test_a_pulse_is_found_that_is_much_narrower_than_the_distance_of_the_places(width, along):
     pulse, way = sympy.exp(-(((along - 0.4321) / width) ** 2)), circle(1000)
-    assert dips(sympy.Rational(1, 2) - pulse, way)
-    assert not dips(sympy.Rational(3, 2) - pulse, way)
+    assert dips(sympy.Rational(1, 2) - pulse, way) == (True, False)
+    assert dips(sympy.Rational(3, 2) - pulse, way) == (False, True), "bounds tell that there is none"
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-7])
 def test_a_way_beside_a_surface_that_its_chords_cut_does_not_dip(gap):
-    assert not dips(X**2 + Y**2 - 1, circle(60, 1.0 + gap))
-    assert dips(X**2 + Y**2 - 1, circle(60, 1.0 - 1e-5))
+    found, none = dips(X**2 + Y**2 - 1, circle(60, 1.0 + gap))
+    assert not found
+    assert none == (gap > 1e-5), "or stays in doubt"
+    assert dips(X**2 + Y**2 - 1, circle(60, 1.0 - 1e-5))[0]
 
 
 def test_steps_in_doubt_are_those_that_bounds_do_not_clear():
