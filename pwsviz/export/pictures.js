@@ -49,7 +49,7 @@ const fitted = async (views, wish, width) => {
   return { lines, pictures: await drawn(views, width, wish, tallest - below(lines) - SLACK, least) }
 }
 
-// Of the curves of a portrait, which alone have round joins, the dashed ones lie on the solid one painted before them: without
+// Of the curves of runs, which alone have round joins, the dashed ones lie on the solid one painted before them: without
 // colours only white edges tell them from it. The edges lie below those dashed curves, none of which they interrupt, and within
 // the solid one, which many turns would hide otherwise.
 const CURVES = "path[stroke-linejoin=round]", DASHED = "[stroke-dasharray]"
@@ -58,7 +58,7 @@ const give_edges = picture => {
   let solid = null
   for (const curve of picture.querySelectorAll(CURVES)) {
     if (!curve.matches(DASHED)) { solid = curve }
-    if (solid == null || solid == curve) { continue }
+    if (solid == null || solid == curve || solid.parentNode != curve.parentNode) { continue }  // in a legend each is alone
     const edges = curve.cloneNode(), free = Math.max(0, width(solid) - width(curve)) / 2
     edges.setAttribute("stroke", PAPER)
     edges.setAttribute("stroke-width", width(curve) + 2 * Math.min(EDGE, BARED * free))

@@ -10,6 +10,7 @@ import numpy as np
 import core
 from pwsviz.figures.lines import WIDEST, line_of, look_columns, together
 from pwsviz.figures.sent_arrays import sent
+from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.turns import spacing
 from pwsviz.geometry.window import Window
 from pwsviz.results.orbits import Orbit
@@ -26,6 +27,9 @@ THINNER = 0.5
 
 TOUCH = 0.45
 """Width of the widest curve, relative to the distance between its turns, from which on all curves are thinner."""
+
+ALONGSIDE_SIZE = 11
+"""Size in pixels of a disc at a start alongside."""
 
 THINNEST = 0.7
 """Width in pixels of a curve whose turns touch all the same, and of any other at least."""
@@ -61,13 +65,47 @@ def fitted_widths(orbits: Sequence[Orbit], view: Window | None, shares: Sequence
     return [max(min(THINNEST, width), fit * width) for width, fit in zip(usual, fits, strict=True)]
 
 
-def alongside_columns(system: core.PiecewiseSystem, pictures: Pictures) -> dict[str, list[Any]]:
-    """Return a row for each start alongside, with the names of the variables of its plane beside the selected one."""
-    each, rows = len(pictures.orbits), []
-    for plane, orbits in pictures.alongside.items():
+def alongside_columns(system: core.PiecewiseSystem, pictures: Pictures, view: Window | None) -> dict[str, list[Any]]:
+    """Return a row for each start alongside, and one for the selected start, without a disc.
+
+    Of each plane the one of the selected start is named by its variables, on the side of it that curves leave free.
+    """
+    columns: dict[str, list[Any]] = {name: [] for name in ("x", "y", "size", "label", *_SIDES[0])}
+    if not pictures.alongside:
+        return columns
+    paths = np.concatenate([orbit.path for orbit in (*pictures.orbits, *pictures.thin)])
+    window, each = view or Window.around(paths), len(pictures.orbits)
+    for plane, orbits in {pictures.axes: pictures.orbits[:1], **pictures.alongside}.items():
         name = ", ".join(variable_name(system.variables[k]) for k in plane)
-        rows += [(*orbit.start, "" if k else name) for k, orbit in enumerate(orbits[::each])]
-    return {name: [row[k] for row in rows] for k, name in enumerate(("x", "y", "label"))}
+        size = 0 if plane == pictures.axes else ALONGSIDE_SIZE
+        for k, orbit in enumerate(orbits[::each]):
+            side = _free_side(orbit.start, paths, window)
+            row = {"x": orbit.start[0], "y": orbit.start[1], "size": size, "label": "" if k else name, **side}
+            for column, one in row.items():
+                columns[column].append(one)
+    return columns
+
+
+_SIDES = [
+    {"align": align, "baseline": baseline, "dx": dx, "dy": dy}
+    for baseline, dy in (("bottom", -5), ("top", 5))
+    for align, dx in (("left", 9), ("right", -9))
+]
+"""Where a name may stand beside a start: to its right or left, above or below."""
+
+_LONG, _HIGH = 0.14, 0.06
+"""Size of a name, relative to the view."""
+
+
+def _free_side(start: tuple[float, float], paths: Floats, view: Window) -> dict[str, Any]:
+    """Return the side of a start with the fewest points of curves in the place of its name."""
+    along, up = ((paths - np.array(start)) / (view.width, view.height)).T
+
+    def met(side: dict[str, Any]) -> int:
+        right, above = np.sign(side["dx"]) * along, -np.sign(side["dy"]) * up
+        return int(((right > 0.0) & (right < _LONG) & (above > 0.0) & (above < _HIGH)).sum())
+
+    return min(_SIDES, key=met)
 
 
 def step_columns(orbits: Sequence[Orbit]) -> dict[str, Any]:

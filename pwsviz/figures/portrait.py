@@ -72,9 +72,6 @@ END_SIZE = 15
 STEP_SIZE = 4.5
 """Diameter in pixels of the dot at the end of a step."""
 
-ALONGSIDE_SIZE = 11
-"""Diameter in pixels of the disc at the start of a curve in another plane, which cannot be dragged."""
-
 POINTED_SIZE = 19
 """Diameter in pixels of the ring around the crossing under the pointer: a mark, and some room."""
 
@@ -226,12 +223,13 @@ class PortraitView:
         plot.add_glyph(self.starts, Text(text="number", **letters, **centred))
         beside: dict[str, Any] = {"text_align": "left", "text_baseline": "bottom", "x_offset": 9, "y_offset": -5}
         plot.add_glyph(self.starts, Text(text="crowd", **{**letters, "text_color": AMBER}, **beside))
-        self.alongside = unseen(("x", "y", "label"))
-        look = {"size": ALONGSIDE_SIZE, "fill_color": PALE_STAR, "line_color": AMBER, "line_width": 1.2}
+        self.alongside = unseen(("x", "y", "size", "label", "align", "baseline", "dx", "dy"))
+        look = {"size": "size", "fill_color": PALE_STAR, "line_color": AMBER, "line_width": 1.2}
         plot.add_glyph(self.alongside, Scatter(marker="circle", **look))
         named: dict[str, Any] = {"text_font_size": "12px", "text_color": AMBER}
         ground: dict[str, Any] = {"background_fill_color": GROUND, "background_fill_alpha": 0.8, "padding": 1}
-        plot.add_glyph(self.alongside, Text(text="label", **{**letters, **named}, **beside, **ground))
+        place: dict[str, Any] = {"text_align": "align", "text_baseline": "baseline", "x_offset": "dx", "y_offset": "dy"}
+        plot.add_glyph(self.alongside, Text(text="label", **{**letters, **named}, **place, **ground))
         self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size", "alpha")})
         look = {"size": "size", "fill_color": "colour", "fill_alpha": "alpha", "line_color": "white", "line_width": 1.5}
         plot.add_glyph(self.moving, Scatter(marker="marker", **look))
@@ -338,7 +336,7 @@ class PortraitView:
         jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.thin)])
         assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
         self._reset_entry.visible = self.joins_jumps
-        assign(self.alongside, **alongside_columns(system, pictures))
+        assign(self.alongside, **alongside_columns(system, pictures, view))
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._pictures = pictures

@@ -30,7 +30,7 @@ from pwsviz.text.numbers import brief, printed
 from pwsviz.text.words import JUMPS_MARKED, as_text, listed
 
 __all__ = [
-    "SUMMARY", "figures_of", "law_line", "law_markup", "parted_words", "portrait_note", "portrait_text",
+    "SUMMARY", "bodies_text", "figures_of", "law_line", "law_markup", "parted_words", "portrait_note", "portrait_text",
 ]  # fmt: skip
 
 FIELD = "the field"
@@ -251,7 +251,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = Fals
 
 def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
     """Return on which plane a system of more variables is projected, and what is not drawn in it."""
-    plane, *alike = (_named_plane(system, one) for one in (axes, *planes_alike(system, axes)))
+    plane = _named_plane(system, axes)
     shown, texts = surfaces_shown(system, axes), surface_texts(system)
     hidden = [f"{readable(g, system)} = 0" for k, g in enumerate(texts) if k not in shown]
     lost = (
@@ -262,11 +262,17 @@ def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
     words = (
         f"Projection onto the plane of {plane}, in which {listed(lost)} {'is' if lost == [FIELD] else 'are'} not drawn."
     )
-    if alike:
-        marks = f"marks of {met_at_surfaces(system)} refer to {plane}"
-        thin = "Thin lines" if len(alike) == 1 else "Successively thinner lines"
-        words += f" {thin} show {listed([f'({one})' for one in alike])}; discs mark where they start; {marks}."
-    return words
+    return f"{words} {bodies_text(system, axes)}".rstrip()
+
+
+def bodies_text(system: core.PiecewiseSystem, axes: Axes) -> str:
+    """Return how other planes alike, such as those of further bodies, are drawn; empty without any."""
+    alike = [_named_plane(system, one) for one in planes_alike(system, axes)]
+    if not alike:
+        return ""
+    marks = f"marks of {met_at_surfaces(system)} refer to {_named_plane(system, axes)}"
+    thin = "Thin lines" if len(alike) == 1 else "Successively thinner lines"
+    return f"{thin} show {listed([f'({one})' for one in alike])}; discs mark where they start; {marks}."
 
 
 def _named_plane(system: core.PiecewiseSystem, axes: Axes) -> str:

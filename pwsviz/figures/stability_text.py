@@ -64,7 +64,10 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     if part == "map":
         start = printed(f"{variable_name(study.coordinate_name)} = {study.x0[study.coordinate]:.6g}")
         limits = study.largest_tau if draws_line(study, method) else None
-        line = f", and the line refers only to the start {start}, {_until(study, limits)}" if limits is not None else ""
+        line = ""
+        if limits is not None:
+            last = ", at the largest τ tried," * (not limits.reason[study.methods.index(method)])
+            line = f", and the line{last} refers only to the start {start}, {_until(study, limits)}"
         return f"each cell represents a run of {method} to t = {study.t_span[1]:.6g}{line}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
@@ -182,7 +185,7 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
     rows = tuple(
         (
             name,
-            _size(largest.tau[k]),
+            "≥ " * (not largest.reason[k]) + _size(largest.tau[k]),
             _size(largest.beyond[k]),
             on_page(largest.reason[k]) or _all_work(float(largest.taus[-1])),
         )

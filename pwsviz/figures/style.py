@@ -207,8 +207,11 @@ def invisible(**place: Any) -> Scatter:
 
 
 def run_lines() -> MultiLine:
-    """Return the curves of runs against time, each in the look of its integrator."""
-    return MultiLine(line_color="colour", line_dash="dash", line_width="width")
+    """Return the curves of runs against time, each in the look of its integrator.
+
+    Round joins tell those who print a picture that a dashed curve may lie on another (see `pictures.js`).
+    """
+    return MultiLine(line_color="colour", line_dash="dash", line_width="width", line_join="round")
 
 
 def side_strips(side: int) -> VStrip:

@@ -76,6 +76,8 @@ class Piece(NamedTuple):
     """The parameter, or the variable at the start, that has many values in it, if one has."""
     meaning: str = ""
     """What its axes and lines mean, where their names do not say it."""
+    key: str = ""
+    """What of that a short caption cannot do without."""
     endings: str = ""
     """Which of the runs of the scene ended before the end time."""
     heading: str = ""
@@ -196,8 +198,7 @@ class ExportDialog(pn.viewable.Viewer):
     def _picture(self, piece: Piece, kind: str) -> Any:
         """Return a button that saves figures as a picture, without the server."""
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
-        captions = {"short": short_caption(self.scene, piece.heading or piece.title, **piece.origin)}
-        captions["full"] = _caption(self.scene, piece)
+        captions = {"short": _short_caption(self.scene, piece), "full": _caption(self.scene, piece)}
         named = {"name": file_name(self.scene, piece.title, kind), "title": piece.title, "captions": captions}
         wish = {"kind": kind, **named, "shades": PRINTED_OPACITY}
         given = {"wish": wish, "trouble": self.not_saved, **self._choices}
@@ -250,6 +251,11 @@ def _complaint() -> pmui.Typography:
 def _caption(scene: Scene, piece: Piece) -> str:
     words = caption(scene, piece.heading or piece.title, **piece.origin)
     return f"{words} {piece.meaning}".strip()
+
+
+def _short_caption(scene: Scene, piece: Piece) -> str:
+    words = short_caption(scene, piece.heading or piece.title, **piece.origin)
+    return f"{words} {piece.key}".strip()
 
 
 def _write_csv(table: Callable[[], Table], origin: Mapping[str, str]) -> bytes:

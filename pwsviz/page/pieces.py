@@ -7,7 +7,7 @@ from typing import Any
 
 from pwsviz.export.endings import endings
 from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
-from pwsviz.figures.portrait_text import marks_text, portrait_note
+from pwsviz.figures.portrait_text import bodies_text, marks_text, portrait_note
 from pwsviz.page.export_dialog import NOT_YET, Piece
 from pwsviz.page.portrait_panel import PortraitPanel
 from pwsviz.results.results import Pictures, PortraitInputs, Results
@@ -27,12 +27,13 @@ def pieces_of(scene: Scene, results: Results, panel: PortraitPanel, view: Tab) -
         all_runs = drawn_runs(shown.inputs, scene.selected, results.run)
         tables, runs = {**portrait_tables(all_runs), **drawn_table(shown)}, list(all_runs())
         meaning = _meaning(scene, panel, shown)
-        portrait = Piece("Phase portrait", tables, [panel.portrait.figure], meaning=meaning, **_course(runs))
+        said: dict[str, Any] = {"meaning": meaning, "key": bodies_text(scene.declaration, shown.axes), **_course(runs)}
+        portrait = Piece("Phase portrait", tables, [panel.portrait.figure], **said)
     title = VIEWS[scene.view].title
     if view.outcome is None or view.shown != view.inputs():
         return [portrait, Piece(title, {}, [], lack=NOT_YET)]
-    said: dict[str, Any] = {"how": view.how(view.outcome), "every_start": view.every_start, "free": view.free()}
-    said |= {"meaning": view.meaning(view.outcome), "heading": view.heading(view.outcome)}
+    said = {"how": view.how(view.outcome), "every_start": view.every_start, "free": view.free()}
+    said |= {name: getattr(view, name)(view.outcome) for name in ("meaning", "key", "heading")}
     if not said["how"]:
         said |= _course([one for one in runs if view.every_start or one.start == scene.selected + 1])
     return [portrait, Piece(title, view.tables(), view.pictures(), **said)]

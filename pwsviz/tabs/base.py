@@ -126,6 +126,10 @@ class Tab(pn.viewable.Viewer):
         """Return what the axes and lines of the figures mean, for captions; empty if their names say it."""
         return ""
 
+    def key(self, outcome: Outcome) -> str:
+        """Return what of that a short caption cannot do without; nothing by default."""
+        return ""
+
     def pictures(self) -> list[figure]:
         """Return the figures on screen that are saved as one picture; the first by default, if it is there."""
         return [pane.object for pane in self.plots[:1] if pane.visible]

@@ -147,6 +147,10 @@ class StabilityTab(LongTab):
             return ""
         return MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))
 
+    def key(self, outcome: core.StabilityStudy) -> str:
+        """Return which runs are successful, where a line of the map is named so."""
+        return self.meaning(outcome) if self.scene.stability_part == "map" else ""
+
     def how(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are drawn of the part shown, and how they were integrated."""
         system, part = self.scene.declaration, self.scene.stability_part
