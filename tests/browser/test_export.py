@@ -122,7 +122,7 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
         assert (svg["width"], svg["images"], svg["fonts"]) == ("85mm", 0, ["DejaVu Sans"])
         assert svg["paths"] > 20
         assert svg["ground"] == "#ffffff", "for print, on a dark page, too"
-        assert svg["edges"] == (k == 0), "of rk2, which is dashed, on dmm2"
+        assert svg["edges"] == 1, "of rk2, which is dashed, on dmm2, and not in the legend"
         assert "g < 0: x′ = 2y, y′ = 3x² + a₋" in svg["words"]
         assert {"x", "y", "g", "ψ", "a", "τ"} <= set(svg["slanted"]), "names of quantities are in italics"
         assert max(map(len, svg["slanted"])) == 1
@@ -443,8 +443,10 @@ EDGES = """markup => {
 """The width of each white edge of a dashed curve, and of the solid curve on which that lies."""
 
 
-@pytest.mark.parametrize("query", ["view=conserved", "view=state", "view=stability&stability_part=drift"])
-def test_in_print_each_dashed_curve_has_markers_of_its_own_in_the_picture_and_in_the_legend(visit, query):
+@pytest.mark.parametrize(
+    ("query", "bordered"), [("view=conserved", 3), ("view=state", 6), ("view=stability&stability_part=drift", 0)]
+)
+def test_in_print_each_dashed_curve_has_markers_of_its_own_in_the_picture_and_in_the_legend(visit, query, bordered):
     """So that curves can be named without colours, and where one lies on another: squares, triangles and hexagons."""
     page = visit(query=f"v=2&methods=dmm2,rk2,rk4,dmm4&starts=-1,-1;-1.5,0.3;-0.5,-0.5&{query}")
     await_that(page, PORTRAIT)
@@ -456,7 +458,8 @@ def test_in_print_each_dashed_curve_has_markers_of_its_own_in_the_picture_and_in
     for k in range(2):
         markup = downloaded(page, files.nth(k)).decode()
         found, edges = page.evaluate(MARKERS, markup), page.evaluate(EDGES, markup)
-        assert len(edges) == 9 * (k == 0), "of three dashed curves from each of three starts, in the portrait"
+        told = "three dashed curves, from each of three starts in the portrait, in each panel of the view"
+        assert len(edges) == (bordered if k else 9), told
         assert all(width < solid for width, solid in edges), "no white edge hides the curve below"
         keys, marks = ([one for one in found if one["key"] is wanted] for wanted in (True, False))
         shapes = {one["corners"] for one in keys}
