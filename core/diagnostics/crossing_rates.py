@@ -5,6 +5,7 @@ from __future__ import annotations
 import sympy
 
 from core.symbolic import TIME, Laws, Mode, Way, eliminated, is_larger
+from core.symbolic.algebra import cancel
 from core.system import PiecewiseSystem
 
 __all__ = ["constant_sign", "rate_on_surface", "ratio"]
@@ -24,7 +25,7 @@ def ratio(rate: sympy.Expr, other: sympy.Expr) -> sympy.Expr:
     if other == 0:
         return sympy.nan
     quotient = rate / other
-    return quotient if is_larger(quotient, _NODES) else sympy.cancel(quotient)
+    return quotient if is_larger(quotient, _NODES) else cancel(quotient)
 
 
 def constant_sign(system: PiecewiseSystem, value: sympy.Expr) -> int | None:

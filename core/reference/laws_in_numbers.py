@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import sympy
 
 from core.reference.recognition import closed_form, exact_numbers
+from core.symbolic.algebra import cancel
 from core.symbolic.laws import Laws, RegionLaw, Way
 from core.symbolic.mode import Mode
 from core.symbolic.sliding import eliminated
@@ -49,5 +50,5 @@ def followed_field(mode: Mode) -> tuple[str | None, tuple[sympy.Expr, ...]]:
     """
     field = mode.field
     if mode.surface is not None:
-        field = tuple(sympy.cancel(eliminated(u, mode.surface, mode.variables)) for u in field)
+        field = tuple(cancel(eliminated(u, mode.surface, mode.variables)) for u in field)
     return closed_form(field, mode.variables), field

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import sympy
 from sympy import Expr, Symbol
 
+from core.symbolic.algebra import gcd
 from core.symbolic.declared_texts import SIGNS, DeclaredTexts, Problem, Texts
 from core.symbolic.entry_checks import (
     MAX_DIMENSION,
@@ -261,7 +262,7 @@ def _same_zeros(u: Expr, v: Expr) -> bool:
     long = is_larger(u, _FACTORED_NODES) or is_larger(v, _FACTORED_NODES)
     if long or not (u.is_polynomial() and v.is_polynomial()):
         return is_zero(u - v) or is_zero(u + v)
-    factor = sympy.gcd(u, v)
+    factor = gcd(u, v)
     return bool(factor.free_symbols & (u.free_symbols | v.free_symbols)) and not factor.is_number
 
 

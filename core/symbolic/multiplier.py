@@ -22,6 +22,7 @@ from typing import Any
 import sympy
 from sympy import Expr, Symbol
 
+from core.symbolic.algebra import cancel, together
 from core.symbolic.expressions import TIME
 from core.symbolic.zero_testing import is_zero
 
@@ -295,4 +296,4 @@ def _inverse(matrix: sympy.Matrix) -> sympy.Matrix:
 
 def _ratio(f: Expr, n: Expr) -> Expr:
     """f/n with common factors cancelled; sympy treats functions of the variables as further variables."""
-    return sympy.cancel(sympy.together(f / n))
+    return cancel(together(f / n))

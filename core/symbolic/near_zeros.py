@@ -14,6 +14,7 @@ from typing import NamedTuple
 import sympy
 from sympy import Expr, Symbol
 
+from core.symbolic.algebra import factor
 from core.symbolic.power_series import LONGEST, NoSeries, Series, SeriesIn
 
 __all__ = ["Choice", "magnitude", "written_near"]
@@ -110,7 +111,7 @@ def _roots(a: Expr, b: Expr, c: Expr) -> set[Expr]:
     """The roots of a quadratic; not `sympy.roots`, which simplifies them and may take hours over functions."""
     discriminant = sympy.expand(b**2 - 4 * a * c)
     if discriminant.count_ops() <= _FACTORED:
-        discriminant = sympy.factor(discriminant)
+        discriminant = factor(discriminant)
     return {(-b + sign * sympy.sqrt(discriminant)) / (2 * a) for sign in (1, -1)}
 
 

@@ -7,6 +7,8 @@ from functools import lru_cache
 import sympy
 from sympy import Expr
 
+from core.symbolic.algebra import cancel, gcd
+
 __all__ = ["regular"]
 
 #: Number of operations of a quotient beyond which it is left as it is, to save time.
@@ -33,14 +35,14 @@ def _written_out(quotient: Expr) -> Expr:
         return quotient
     common = _common_factor(above, below)
     if common.free_symbols:
-        above, below = sympy.cancel(above / common), sympy.cancel(below / common)
+        above, below = cancel(above / common), cancel(below / common)
     products = [u.replace(lambda v: bool(v.is_Add), _as_product) for u in (above, below)]
     return products[0] / products[1] if common.free_symbols or products != [above, below] else quotient
 
 
 def _common_factor(above: Expr, below: Expr) -> Expr:
     try:
-        return sympy.gcd(above, below)
+        return gcd(above, below)
     except sympy.PolynomialError:  # of expressions that are no polynomials, even in functions
         return sympy.S.One
 

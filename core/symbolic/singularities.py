@@ -16,6 +16,7 @@ import numpy as np
 import sympy
 from sympy import Expr, Symbol
 
+from core.symbolic.algebra import factor_list, together
 from core.symbolic.expressions import TIME
 from core.symbolic.near_zeros import written_near
 from core.symbolic.tape import Floats, Tape, digits
@@ -120,7 +121,7 @@ def _vanishing(node: Expr) -> Iterator[Expr]:
 def _polynomial_factors(u: Expr) -> list[tuple[Expr, Expr]]:
     """Factors of a polynomial and their powers; none of another expression, nor where sympy finds none."""
     try:
-        return [(v, sympy.Integer(n)) for v, n in sympy.factor_list(u)[1]] if u.is_polynomial() else []
+        return [(v, sympy.Integer(n)) for v, n in factor_list(u)[1]] if u.is_polynomial() else []
     except sympy.BasePolynomialError:  # of the number (43/10)**(2*E), or with it
         return []
 
@@ -129,7 +130,7 @@ def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
     """Factors of an expression without their powers; where its sign counts, as under a root, those of even powers."""
     powers: list[tuple[Expr, Expr]] = []
     if u.count_ops() <= _LONG:
-        u = sympy.fraction(sympy.together(u.replace(sympy.tan, lambda v: sympy.sin(v) / sympy.cos(v))))[0]
+        u = sympy.fraction(together(u.replace(sympy.tan, lambda v: sympy.sin(v) / sympy.cos(v))))[0]
         powers = _polynomial_factors(u)
     for base, exponent in powers or [v.as_base_exp() for v in sympy.Mul.make_args(u)]:
         if exponent.is_Integer and exponent > 0 and not (signed and exponent % 2):

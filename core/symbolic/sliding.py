@@ -19,6 +19,7 @@ from dataclasses import replace
 import sympy
 from sympy import Expr, Symbol
 
+from core.symbolic.algebra import cancel, together
 from core.symbolic.mode import Mode
 from core.symbolic.zero_testing import Domain, independent, is_larger, is_zero
 
@@ -85,5 +86,5 @@ def _cancelled(u: Expr) -> Expr:
     """u without common factors of numerator and denominator, if that makes it shorter."""
     if is_larger(u, _CANCELLED_NODES):
         return u
-    short = sympy.cancel(sympy.together(u))
+    short = cancel(together(u))
     return short if short.count_ops() < u.count_ops() else u

@@ -9,6 +9,7 @@ from dataclasses import replace
 import sympy
 from sympy import Expr, Symbol
 
+from core.symbolic.algebra import antiderivative, simplify
 from core.symbolic.expressions import TIME
 from core.symbolic.operations import FUNCTIONS
 from core.symbolic.zero_testing import EVERYWHERE, Domain, has_values_throughout, is_zero, size_expanded
@@ -52,7 +53,7 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol], domain: 
         return None
     rest = sympy.expand(-v - part.diff(x))  # what depends on x alone
     if rest.has(y):
-        rest = sympy.simplify(rest) if sympy.count_ops(rest) <= _MAX_OPERATIONS else rest
+        rest = simplify(rest) if sympy.count_ops(rest) <= _MAX_OPERATIONS else rest
     other = None if rest.has(y) else _integral(rest, x)
     if other is None:
         return None
@@ -75,7 +76,7 @@ def _integral(expression: Expr, variable: Symbol) -> Expr | None:
         factor, rest = term.as_independent(variable, as_Add=False)
         if sympy.count_ops(rest) > _MAX_OPERATIONS:
             return None
-        found = sympy.integrate(rest, variable, manual=True)
+        found = antiderivative(rest, variable)
         if not _is_plain(found):
             return None
         total += factor * found

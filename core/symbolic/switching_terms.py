@@ -16,6 +16,7 @@ from typing import NamedTuple
 import sympy
 from sympy import Add, Expr, Integer, Mul, Symbol
 
+from core.symbolic.algebra import factor_list, together
 from core.symbolic.contradictions import Signs, contradict
 from core.symbolic.entry_checks import MAX_SURFACES
 from core.symbolic.expressions import SWITCHING, TIME, check_name, parse
@@ -229,7 +230,7 @@ class _Field:
 def _odd_factors(u: Expr) -> Iterator[tuple[Expr, Expr]]:
     """Yield the factors, over the rationals, with an odd power in numerator or denominator; each also as written."""
     u = u.replace(sympy.tan, lambda v: sympy.sin(v) / sympy.cos(v))
-    whole = sympy.together(u) if size_expanded(u) <= _MAX_TERMS else u
+    whole = together(u) if size_expanded(u) <= _MAX_TERMS else u
     for factor in (v for part in sympy.fraction(whole) for v in Mul.make_args(part)):
         base, power = factor.as_base_exp()
         if not power.is_number:
@@ -243,7 +244,7 @@ def _polynomial_factors(u: Expr) -> Iterator[tuple[Expr, Expr]]:
         yield (Integer(0) if is_zero(u) else u), u
         return
     try:
-        content, factors = sympy.factor_list(u)
+        content, factors = factor_list(u)
     except sympy.BasePolynomialError:  # u is a constant
         content, factors = sympy.expand(u), []
     content = Integer(0) if any(not g.is_polynomial() and is_zero(g) for g, _ in factors) else content
