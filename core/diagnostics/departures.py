@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.diagnostics.examined_steps import Steps
+from core.diagnostics.narrow_pushes import PEAK, pushes
 from core.kernels.arrays import Floats
 
 __all__ = ["APART", "departures", "too_long_for_the_field"]
@@ -29,6 +30,12 @@ _ROUNDING = 2.0**-44
 _NORMAL = 2.0**-1022
 #: Places in a step of fixed size, as parts of it, for the field: its size was chosen for the field, so few suffice.
 _FEW = np.array([0.0, 0.15, 0.29, 0.5, 0.68, 0.87, 1.0])
+#: Places for a symmetric method, which damps nothing that decays within a small part of its steps: ever shorter steps do.
+_GRADED = np.concatenate([[0.0], 16.0 ** np.arange(-11, -1), _FEW[1:]])
+#: Most steps with a peak of the field at a place that are made again from place to place.
+_MOST_PEAKS = 64
+#: Part of the places in a step with a peak, those from which the state is least far, that tell how far it goes.
+_USUAL = 0.75
 #: Least unit of a coordinate, relative to the largest unit of all coordinates.
 _SLIGHT = 1e-9
 
@@ -44,35 +51,60 @@ class Departures(NamedTuple):
     """Largest size of the coordinate in the step."""
 
 
-def too_long_for_the_field(groups: Sequence[Steps]) -> Iterator[str]:
-    """Warn of steps that lead elsewhere than shorter ones.
+def too_long_for_the_field(groups: Sequence[Steps], pushed: Steps) -> Iterator[str]:
+    """Warn of steps that lead elsewhere than shorter ones, and of some in which a peak of the field may be missed.
 
     Each coordinate is compared in units of its largest change over all steps examined: those of one group may all begin
     where it hardly changes, such as where a velocity is zero. A change that is 1e-9 of that of another coordinate may
     be round-off.
     """
-    found = [departures(steps) for steps in groups]
+    found = [*map(departures, groups), _pushed(pushed)]
     with np.errstate(all="ignore"):
         unit = np.nanmax(np.concatenate([of.way for of in found]), axis=0, initial=0.0)
     unit = np.maximum(unit, _SLIGHT * unit.max(initial=0.0))
     unit = np.where(unit > 0.0, unit, 1.0)
-    for steps, of in zip(groups, found, strict=True):
+    for steps, of in zip((*groups, pushed), found, strict=True):
         yield from _too_long(steps, of, unit)
 
 
-def departures(steps: Steps) -> Departures:
-    """How far each step leads elsewhere than shorter ones do, one after the other.
+def departures(steps: Steps, places: Floats | None = None) -> Departures:
+    """How far each step leads elsewhere than shorter ones do, from place to place.
 
     What each shorter step, from a state within the step, departs from it by is summed over the step: that is where
     all of them lead to, but for how departures grow within a step. The largest alone would be a part of it only,
     with seven places a third for a method of order 2.
     """
-    times, whole = steps.at(steps.places(of_each=3) if steps.method.adaptive else _FEW)
+    if places is None:
+        places = _GRADED if steps.method.symmetric else _FEW
+        places = steps.places(of_each=3) if steps.method.adaptive else places
+    times, whole = steps.at(places)
     with np.errstate(all="ignore"):
         apart = np.abs(np.cumsum(_by_steps_between(steps, times, whole) - whole[:, 2:], axis=1)).max(axis=1)
         way = np.abs(whole - whole[:, :1]).max(axis=1)
         size = np.abs(whole).max(axis=1)
     return Departures(way, np.where(apart > np.maximum(_least(steps) * size, _NORMAL), apart, 0.0), size)
+
+
+def _pushed(steps: Steps) -> Departures:
+    """How far steps lead elsewhere in which the field has a peak: as far as this pushes if it lies between two places.
+
+    Where a place lies in the peak, steps from one place to the next feel it. A step to such a place may lead anywhere:
+    how far the others do is told by those to most places.
+    """
+    peak, none = np.zeros(len(steps)), np.zeros_like(steps.x)
+    found, places = Departures(none, none.copy(), none.copy()), steps.places()
+    for rows, number, part in steps.by_mode():
+        way = part.way(number, places)
+        found.apart[rows] = pushes(steps.run.system, number, way)
+        with np.errstate(all="ignore"):
+            found.way[rows] = np.quantile(np.abs(way.states - way.states[:, :1]), _USUAL, axis=1)
+            found.size[rows] = np.quantile(np.abs(way.states), _USUAL, axis=1)
+            rates = np.abs(way.rates)
+            peak[rows] = np.nan_to_num(rates.max(axis=1) / rates[:, [0, -1]].max(axis=1), nan=0.0).max(axis=1)
+    rows = np.argsort(-peak, kind="stable")[:_MOST_PEAKS]
+    rows = rows[peak[rows] > PEAK]
+    found.apart[rows] = np.fmax(found.apart[rows], departures(steps.some(rows), places).apart)
+    return found
 
 
 def _by_steps_between(steps: Steps, times: Floats, whole: Floats) -> Floats:

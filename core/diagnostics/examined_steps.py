@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from core.diagnostics.narrow_features import Way
+from core.diagnostics.boxes import Way
 from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
@@ -57,7 +57,11 @@ class Steps:
         """Rows of the steps in each mode, its number, and these steps."""
         for number in np.unique(self.mode).tolist():
             rows = np.flatnonzero(self.mode == number)
-            yield rows, number, Steps(self.run, self.t[rows], self.x[rows], self.mode[rows], self.h[rows])
+            yield rows, number, self.some(rows)
+
+    def some(self, rows: NDArray[np.intp]) -> Steps:
+        """Some of these steps."""
+        return Steps(self.run, self.t[rows], self.x[rows], self.mode[rows], self.h[rows])
 
     def places(self, of_each: int = 1) -> Floats:
         """Places in each step, as parts of it from 0 to 1: unequally spaced, so that no wave is missed."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.diagnostics.departures import APART, departures, too_long_for_the_field
-from core.diagnostics.doubtful_steps import doubtful_steps
+from core.diagnostics.doubtful_steps import doubtful_steps, pushed_steps
 from core.diagnostics.examined_steps import NEAR, Steps
 from core.diagnostics.missed_crossings import hides, too_long_for_g
 from core.diagnostics.missed_events import too_long_for_events
@@ -41,10 +41,11 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     kept = Steps.towards_the_end(run, samples[:, 0], samples[:, 3:], samples[:, 1].astype(np.int64), samples[:, 2])
     if run.status in _RUNS_AWAY:  # no step is short enough where the solution escapes
         return tuple(too_long_for_g(kept, _hides_before_it_runs_away(kept)))
-    first, doubtful = _first_steps(run), _doubtful(run)
+    first, doubtful = _first_steps(run), _at_rows(run, doubtful_steps(run))
+    pushed = _at_rows(run, pushed_steps(run)) if run.record == "steps" else kept
     of_g = (words for steps in (kept, first, doubtful) for words in too_long_for_g(steps, hides(steps)))
     of_events = (words for steps in (kept, doubtful) for words in too_long_for_events(steps))
-    of_field = too_long_for_the_field((kept, _unlike(run), first))
+    of_field = too_long_for_the_field((kept, _unlike(run), first), pushed)
     return (*islice(of_g, 1), *dict.fromkeys(of_events), *islice(of_field, 1))
 
 
@@ -83,9 +84,8 @@ def _unlike_recorded(run: Trajectory) -> Steps:
     return Steps.towards_the_end(run, run.t[k], run.x[k], run.mode[k], h)
 
 
-def _doubtful(run: Trajectory) -> Steps:
-    """Those that bounds leave in doubt."""
-    k = doubtful_steps(run)
+def _at_rows(run: Trajectory, k: NDArray[np.intp]) -> Steps:
+    """Those that begin at some rows of a run."""
     return Steps.towards_the_end(run, run.t[k], run.x[k], run.mode[k], run.t[k + 1] - run.t[k])
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from scipy.special import erf
 
 import core
 from tests.families.oracles import silent
@@ -139,3 +140,43 @@ def test_what_is_narrower_than_the_distance_of_all_places_is_seen_or_warned_of(d
         run = core.integrate(system, (0.0, 1.5), method=method, events=events, **settings)
         found = len(run.events.t) if what == "event" else len(run.crossings)
         assert found == met or not silent(run), f"{found} of {met}: {p}, {settings}"
+
+
+#: A push of one, as a function of z = (x − c)/b or (t − c)/b: its text, to be divided by b, and what of it is past at z.
+PUSHES = {
+    "normal": ("exp(-({z})**2)/sqrt(pi)", lambda z: 0.5 * (1.0 + erf(z))),
+    "pole": ("1/(pi*(1 + ({z})**2))", lambda z: 0.5 + np.arctan(z) / np.pi),
+    "wall": ("(1 - tanh({z})**2)/2", lambda z: 0.5 * (1.0 + np.tanh(z))),
+}
+
+
+@pytest.mark.parametrize("method", deep_but(("taylor", "rk4"), ("taylor", "rk2", "rk4", "rk8", "gauss4")))
+@pytest.mark.parametrize("kind", PUSHES)
+def test_a_push_that_is_narrower_than_the_distance_of_all_places_is_felt_or_warned_of(draws, kind, method):
+    text, past = PUSHES[kind]
+    for rng in draws(6):
+        b, c, k = 10 ** rng.uniform(-7.0, -1.5), rng.uniform(0.4, 1.2), float(rng.choice([-1.0, 0.3, 1.0]))
+        along, drift = str(rng.choice(["x", "t"])), float(rng.choice([0.0, 1.0]))
+        push = f"{drift}*cos(x) + k/b*{text.format(z=f'({along} - c)/b')}"
+        system = core.PiecewiseSystem(
+            "kicked", ("x", "y"), ("1", push), ("1", push), "x - 40",
+            parameters={"k": k, "b": float(b), "c": float(c)}, x0=(0.0, 0.0),
+        )  # fmt: skip
+        settings = {} if method == "taylor" else {"tau": float(10 ** rng.uniform(-2.2, -0.8))}
+        run = core.integrate(system, (0.0, 1.5), method=method, **settings)
+        right = drift * np.sin(1.5) + k * (past((1.5 - c) / b) - past(-c / b))
+        off, allowed = abs(run.x[-1, 1] - right), 1e-6 if method == "taylor" else 0.1
+        assert off < allowed or not silent(run), f"off by {off}: {system.values}, {along}, {drift}, {settings}"
+
+
+@pytest.mark.parametrize("shape", ["cos(t)", "x"])
+def test_a_symmetric_method_that_damps_nothing_is_warned_of_where_the_solution_decays_at_once(draws, shape):
+    right, drift = (np.cos, "-sin(t)") if shape == "cos(t)" else (lambda t: t, "1")
+    for rng in draws(6):
+        k, tau = 10 ** rng.uniform(2.0, 13.0), float(10 ** rng.uniform(-2.5, -1.3))
+        field = ("1", f"-k*(y - {shape}) + {drift}")
+        system = core.PiecewiseSystem(
+            "stiff", ("x", "y"), field, field, "x - 9", parameters={"k": float(k)}, x0=(0.0, 2.0)
+        )
+        run = core.integrate(system, (0.0, 2.0), method="gauss4", tau=tau)
+        assert abs(run.x[-1, 1] - right(2.0)) < 1e-2 or not silent(run), f"{run.x[-1]}: {k}, {tau}"

@@ -5,8 +5,9 @@ import pytest
 import sympy
 
 import core
+from core.diagnostics.boxes import Way
 from core.diagnostics.doubtful_steps import doubtful_steps
-from core.diagnostics.narrow_features import Way, dips_between
+from core.diagnostics.narrow_features import dips_between
 from core.symbolic.expressions import TIME
 
 X, Y = sympy.symbols("x y")
