@@ -30,7 +30,7 @@ _ROUNDING = 2.0**-44
 _NORMAL = 2.0**-1022
 #: Places in a step of fixed size, as parts of it, for the field: its size was chosen for the field, so few suffice.
 _FEW = np.array([0.0, 0.15, 0.29, 0.5, 0.68, 0.87, 1.0])
-#: Places for a symmetric method, which damps nothing that decays within a small part of its steps: ever shorter steps do.
+#: Places for a symmetric method, which does not damp what decays within a small part of its step: short steps do.
 _GRADED = np.concatenate([[0.0], 16.0 ** np.arange(-11, -1), _FEW[1:]])
 #: Most steps with a peak of the field at a place that are made again from place to place.
 _MOST_PEAKS = 64

@@ -26,6 +26,8 @@ _MOST = 512
 _CHANCE = 4
 #: Relative to the state, what adds nothing to it; and the least rate that is looked for, beside a state of zero.
 _ROUNDING, _LEAST = 2.0**-52, 1e-290
+#: In place of a bound that is infinite.
+_LARGEST = np.finfo(float).max
 #: Places on both sides of a piece in which a peak is, at distances that double from one to the next, and within it.
 _DOUBLINGS, _WITHIN = 40, 9
 
@@ -62,11 +64,11 @@ def pushes(system: PiecewiseSystem, number: int, way: Way) -> Floats:
 
 
 def excess(system: PiecewiseSystem, number: int, way: Way) -> Floats:
-    """How far bounds leave in doubt that rates within steps (k,) stay below twice those at both ends: from 0 to 1."""
+    """By how much bounds on rates within steps (k,) exceed twice those at both ends, relative to these; 0 if nowhere."""
     with np.errstate(all="ignore"):
         low, high = _bounds(system, number).over(Cubics.of(way).boxes_of_all())
-        part = _level(way) / np.maximum(high, -low)
-        return np.asarray(np.nan_to_num(1.0 - part.min(axis=1), nan=0.0).clip(0.0, 1.0))
+        part = np.maximum(high, -low) / _level(way)
+        return np.asarray(np.nan_to_num(part.max(axis=1) - 1.0, nan=0.0, posinf=_LARGEST).clip(0.0))
 
 
 def _level(way: Way) -> Floats:

@@ -142,7 +142,7 @@ def test_what_is_narrower_than_the_distance_of_all_places_is_seen_or_warned_of(d
         assert found == met or not silent(run), f"{found} of {met}: {p}, {settings}"
 
 
-#: A push of one, as a function of z = (x − c)/b or (t − c)/b: its text, to be divided by b, and what of it is past at z.
+#: A push of one, as a function of z = (x − c)/b or (t − c)/b: its text, to be divided by b, and what is past at z.
 PUSHES = {
     "normal": ("exp(-({z})**2)/sqrt(pi)", lambda z: 0.5 * (1.0 + erf(z))),
     "pole": ("1/(pi*(1 + ({z})**2))", lambda z: 0.5 + np.arctan(z) / np.pi),
