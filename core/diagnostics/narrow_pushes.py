@@ -64,7 +64,7 @@ def pushes(system: PiecewiseSystem, number: int, way: Way) -> Floats:
 
 
 def excess(system: PiecewiseSystem, number: int, way: Way) -> Floats:
-    """By how much bounds on rates within steps (k,) exceed twice those at both ends, relative to these; 0 if nowhere."""
+    """By how much bounds on rates in steps (k,) exceed twice those at both ends, relative to these; 0 if nowhere."""
     with np.errstate(all="ignore"):
         low, high = _bounds(system, number).over(Cubics.of(way).boxes_of_all())
         part = np.maximum(high, -low) / _level(way)

@@ -67,7 +67,7 @@ _WORDS = {
         "Start off the surface, on the side you want.",
     ),
     Status.GRAZING: (
-        "the trajectory touches the surface without a transversal crossing",
+        "the trajectory touches the surface without a transversal crossing, as far as rounding shows",
         "If the exact solution touches it, no step size helps: change the initial condition or a parameter so that it "
         "clearly crosses the surface or clearly misses it. If not, take a smaller step size.",
     ),

@@ -48,8 +48,8 @@ from pwsviz.text.numbers import printed
 __all__ = ["MEANING", "CostView", "compared_with", "cost_numbers", "cost_rows", "cost_text", "timed_how"]
 
 EXTERNAL_LINES = {
-    "scipy": Line(GREY, (6, 3, 1, 3), "x", 1.6),
-    "heyoka": Line(PALE_GREY, (20, 6), "cross", 1.6),
+    "scipy": Line(GREY, (6, 3, 1, 3), "square_pin", 1.6),
+    "heyoka": Line(PALE_GREY, (20, 6), "triangle_pin", 1.6),
 }
 """Looks of external solvers: grey, with dashes and markers that none of our methods has."""
 

@@ -25,12 +25,14 @@ from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 from pwsviz.scene.equations import equations, indexed
 from pwsviz.scene.names import met_at_surfaces, readable, short_name
+from pwsviz.scene.scene import Scene
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import brief, printed
-from pwsviz.text.words import JUMPS_MARKED, as_text, listed
+from pwsviz.text.words import JUMPS_MARKED, as_text, listed, perturbation
 
 __all__ = [
     "SUMMARY", "bodies_text", "figures_of", "law_line", "law_markup", "parted_words", "portrait_note", "portrait_text",
+    "run_line",
 ]  # fmt: skip
 
 FIELD = "the field"
@@ -203,7 +205,7 @@ def law_markup(system: core.PiecewiseSystem) -> str:
 def law_line(system: core.PiecewiseSystem, values: Mapping[str, float]) -> str:
     """Return equations and parameters as HTML for the header, with reset maps if these leave the type large.
 
-    It is empty if the header has no room for them.
+    Equations for which the header has no room are left out.
     """
     numbers = ", ".join(f"{short_name(q)} {brief(values[q.name])}" for q in system.parameters)
     parts = [*indexed(equations(system)).split("; "), *filter(None, [numbers])]
@@ -211,7 +213,17 @@ def law_line(system: core.PiecewiseSystem, values: Mapping[str, float]) -> str:
         parts = [one for one in parts if not one.startswith("reset map")]
     length = sum(map(len, parts))
     kind = "law short" if length <= IN_ONE_LINE else "law"
-    return "".join(_with_powers(one, kind) for one in parts) if length <= IN_TWO_LINES else ""
+    if length > IN_TWO_LINES:
+        parts, kind = [*filter(None, [numbers])], "law short"
+    return "".join(_with_powers(one, kind) for one in parts)
+
+
+def run_line(scene: Scene) -> str:
+    """Return the step size as HTML for the header, and what is unusual at crossings."""
+    at_crossings = ["crossings not located"] * (not scene.locate)
+    if scene.locate and scene.perturbation_order is not None:
+        at_crossings = [f"crossings perturbed by {perturbation(scene.perturbation_order, scene.perturbation_scale)}"]
+    return _with_powers("; ".join([f"τ {brief(scene.tau)}", *at_crossings]), "law short")
 
 
 def _with_powers(law: str, kind: str) -> str:

@@ -6,7 +6,7 @@ from html import escape
 
 from param.parameterized import Watcher
 
-from pwsviz.figures.portrait_text import law_line
+from pwsviz.figures.portrait_text import law_line, run_line
 from pwsviz.page.help import ABOUT, GREETING, GREETING_CSS
 from pwsviz.page.look import TAGLINE_CSS
 from pwsviz.scene.presets import Preset
@@ -14,6 +14,9 @@ from pwsviz.scene.scene import Scene
 from pwsviz.widgets.panes import markup_pane
 
 __all__ = ["Headline"]
+
+SHOWN = ["values", "tau", "locate", "perturbation_order", "perturbation_scale"]
+"""What of a scene a lecture shows beside the equations."""
 
 
 class Headline:
@@ -37,10 +40,10 @@ class Headline:
         scene.param.watch(lambda *_: self.show(), ["system", "own"])
 
     def give_lecture(self, begun: bool) -> None:
-        """Show the laws and the values of the parameters as long as a lecture lasts."""
+        """Show the laws, the values of the parameters and the step size as long as a lecture lasts."""
         if self._of_lecture is not None:
             self.scene.param.unwatch(self._of_lecture)
-        self._of_lecture = self.scene.param.watch(lambda *_: self._write_tagline(), "values") if begun else None
+        self._of_lecture = self.scene.param.watch(lambda *_: self._write_tagline(), SHOWN) if begun else None
         self._write_tagline()
 
     def show(self, preset: Preset | None = None) -> None:
@@ -53,5 +56,7 @@ class Headline:
 
     def _write_tagline(self) -> None:
         name = escape(self.scene.declaration.name)
-        laws = law_line(self.scene.declaration, self.scene.values) if self._of_lecture is not None else ""
+        laws = ""
+        if self._of_lecture is not None:
+            laws = law_line(self.scene.declaration, self.scene.values) + run_line(self.scene)
         self.tagline.object = f'<p>{escape(ABOUT)}</p><div class="lecture"><b>{name}</b>{laws}</div>'

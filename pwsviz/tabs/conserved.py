@@ -84,7 +84,8 @@ class ConservedTab(Tab):
             said = f"No step was made, so there is no |Δψ| to show. The run ended at once, at {outcome.unmoved}"
         elif slides and not drawn:
             return f"{said} Shown is |Δg| while sliding, as no conserved quantity is known.".strip()
-        return f"{said} {conserved_note(system)}".strip()
+        note = "Crossings are not located: a step may lead across the surface." * (there and not self.scene.locate)
+        return " ".join(filter(None, [said, note, conserved_note(system)]))
 
     def details(self, outcome: ErrorPicture) -> str:
         """Return what the axis shows."""

@@ -33,7 +33,7 @@ HEADINGS = {
 
 MEANINGS = {
     "map": "A step size is successful if the run has the crossings of the reference{} ends as it does{}. The largest "
-    "successful τ is the largest below which all step sizes tried are successful.",
+    "successful τ is the largest step size tried that is successful together with every smaller one tried.",
     "drift": "|Δψ| is the change of ψ since the start; drawn is the largest in each part of the time.",
     "grazing": "|Δψ| is the change of ψ since the start.",
 }

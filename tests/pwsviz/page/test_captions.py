@@ -89,3 +89,10 @@ def test_the_line_of_round_off_is_told_of_where_it_is_drawn(explorer, system, dr
     _, told = told_of(explorer, system=system, methods=["rk2"], view="conserved")
     assert explorer.view.view.draws_round_off == drawn
     assert ("round-off line" in told) == drawn
+
+
+def test_where_crossings_are_not_located_the_words_on_psi_say_so(explorer):
+    for locate in (True, False):
+        explorer.scene.load({"methods": ["dmm2"], "view": "conserved", "locate": locate})
+        assert explorer.settle(60)
+        assert ("Crossings are not located" in explorer.views["conserved"].words.object) is not locate

@@ -24,7 +24,13 @@ def test_a_lecture_tells_the_laws_and_the_parameters_as_they_change():
     scene.values = {**scene.values, "a_minus": -2.5}
     assert "a₋\xa0=\xa0−2.5" in head.tagline.object
     scene.system = "three_bodies"
-    assert head.tagline.object.endswith("</b></div>"), "the header has no room for its laws"
+    assert "x₁′" not in head.tagline.object, "the header has no room for its laws"
+    assert "ε\xa0=\xa00.5" in head.tagline.object, "but for its parameters"
+    assert "τ\xa0=\xa00.01" in head.tagline.object
+    scene.locate = False
+    assert "τ = 0.01; crossings not located" in head.tagline.object.replace("\xa0", " ")
+    scene.locate, scene.perturbation_order = True, 3
+    assert "crossings perturbed by τ³" in head.tagline.object.replace("\xa0", " ")
     scene.system = "elliptic_curve"
     head.give_lecture(begun=False)
     scene.values = {**scene.values, "a_minus": -2.0}
