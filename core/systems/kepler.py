@@ -19,5 +19,5 @@ SYSTEM = PiecewiseSystem(
     ),
     x0=(1.2, 0.0, 0.0, 1.55),
     doc="A planet at (x, y) with velocity (u, v) passes in and out through a thin shell of dust around its star. "
-    "Inside, the shell does not pull, by Newton’s theorem.",
+    "Inside, the shell does not pull, by Newton’s shell theorem.",
 )

@@ -76,14 +76,15 @@ _HINTS = {
 _HELP = {
     "variables": "Time is t.",
     "parameters": "One per line. The range of the slider is optional.",
-    "f": "Alternatively, a single field in place of g, f₋, f₊. For x, v: v; -x - k*max(x - 1, 0). Surfaces are found.",
+    "f": "Alternatively, a single field in place of g, f₋, f₊. Example for x, v: v; -x - k*max(x - 1, 0). The "
+    "surfaces are found from it.",
     "psi": "Of the field f. Optional. One per line.",
     "f_minus": "The time derivative of each variable, one per line.",
     "f_plus": "The time derivative of each variable, one per line.",
     "g": "The field changes where g = 0.",
     "psi_minus": "Optional. One per line.",
     "psi_plus": "Optional. One per line.",
-    "x0": "A number for each variable.",
+    "x0": "One number per variable.",
     "jump": "For impacts: the value of each variable after the state reaches g = 0. Leave empty for none.",
     "surfaces": "One per line, up to six. Leave empty if the regions have names.",
     "regions": "In place of g, f₋ and f₊. One per line: the signs of g1, g2, … or a name, a colon, and the time "

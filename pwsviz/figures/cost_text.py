@@ -30,7 +30,7 @@ UP: Mapping[str, str] = {
 MEANING: Mapping[str, str] = {
     "state": "‖x − x*‖₂ is the Euclidean norm of the difference between the states of the run and of the reference at "
     "the end, in all variables.",
-    "time": "t* is the time of the last crossing by the reference, t̂ that by the run.",
+    "time": "t* and t̂ are the times of the last crossing of the reference and of the run.",
     "invariant": "|Δψ| is the change of ψ since the start.",
 }
 """What the errors are, for captions."""

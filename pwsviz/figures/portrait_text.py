@@ -89,7 +89,7 @@ def marks_text(pictures: Pictures) -> str:
     drawn = [*pictures.orbits, *pictures.others]
     if not any(orbit.kinds for orbit in drawn):
         return ""
-    whose = "Marks at surfaces are those of all integrators." if len(pictures.orbits) > 1 else ""
+    whose = "Crossings of all integrators are marked." if len(pictures.orbits) > 1 else ""
     jumps = any("jump" in orbit.kinds for orbit in drawn)
     return " ".join(filter(None, [whose, JUMPS_MARKED * jumps]))
 

@@ -198,8 +198,8 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
 
 def _all_work(last: float) -> str:
     """Say up to which step size an integrator works for which no larger one was tried."""
-    most = ", the largest the page offers" * (last == LIMITS_OF_TAU[1])
-    return f"works up to {last:.3g}{most}"
+    most = ", the largest value offered" * (last == LIMITS_OF_TAU[1])
+    return f"successful up to τ = {last:.3g}{most}"
 
 
 def _until(study: core.StabilityStudy, largest: LargestTau) -> str:

@@ -122,7 +122,7 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool, met: str = "
         )
     else:
         words = (
-            f"t* is the time of a crossing by the reference, t̂ that by the run, for {counted} of runs to "
+            f"t* and t̂ are the crossing times of the reference and of the run, for {counted} of runs to "
             f"t = {study.times[-1]:.4g}"
         )
     counted_too = ["jumps"] * ("jumps" in met) + ["the beginning and the end of sliding"] * slides

@@ -49,16 +49,16 @@ _USE = (
     "Choose integrators to compare them: dmm2 to dmm8 (Discrete Multiplier Method), prk8 and taylor conserve ψ; "
     "Runge–Kutta methods (rk) in general do not, and gauss4 conserves linear and quadratic ψ only.",
     "Each tab beside the portrait answers one question: is ψ conserved, how does the state change in time, what is the "
-    "order, how accurate are the times of crossings, what does an error cost, where does it meet a surface, which step "
-    "sizes work, what does a parameter change, what is the scheme.",
+    "order, how accurate are the times of crossings, what does accuracy cost, where does a trajectory meet a surface, "
+    "which step sizes work, what does a parameter change, what is the scheme.",
     "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0, in the colours of their "
     "starts. A click there starts a trajectory on the surface, with the conserved quantities of the selected one.",
     "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "
-    "once a transient is over. Click in it to set the parameter. Behind “more”: which surface, how many points, and "
+    "once a transient is over. Click in it to set the parameter. Under “more”: which surface, how many points, and "
     "whether each run continues that of the value before.",
-    "Where both fields point to the surface, the solution slides along it (Filippov), as a block sticks under dry "
-    "friction; the run follows it, or stops there if that box is not ticked. A thick green line shows where, a dashed "
-    "one where the surface repels.",
+    "Where both fields point towards the surface, the solution slides along it (Filippov), as a block sticks under dry "
+    "friction; the run follows it, or stops there if “Slide along the surface” is not ticked. A thick green line shows "
+    "where, a dashed one where the surface repels.",
     "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field to see what it means.",
     "Where there are several surfaces, a region is named by the signs of their functions: +− is where the first is "
     "positive and the second negative. Shades tell neighbouring regions apart.",
@@ -129,6 +129,6 @@ def _markup() -> str:
         for part in (_KEYS, methods)
     )
     return (
-        f"<p>{escape(ABOUT)}</p><h2>Keys and fingers</h2><dl>{keys}</dl><h2>How to use it</h2><ul>{use}</ul>"
+        f"<p>{escape(ABOUT)}</p><h2>Keyboard and touch</h2><dl>{keys}</dl><h2>How to use it</h2><ul>{use}</ul>"
         f"<h2>Integrators</h2><dl>{integrators}</dl><h2>The method</h2><p>{CITATION}</p>"
     )

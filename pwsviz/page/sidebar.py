@@ -40,8 +40,11 @@ AT_SURFACE = {
     LABELS["locate"]: "Split a step at the surface and complete it with the field of the other "
     "side (Mannshardt), which preserves the order. Otherwise a step across the surface is completed with the field of "
     "the side on which it began.",
-    LABELS["slide"]: "Where both fields point to the surface, go on along it with the combination of both that stays "
-    "on it (Filippov), and leave where one of them turns. Otherwise the run ends there, as the paper’s theory does.",
+    LABELS[
+        "slide"
+    ]: "Where both fields point towards the surface, follow Filippov’s sliding solution along it, and leave "
+    "where one field ceases to point towards it. Otherwise the run ends there: the paper’s theory is of transversal "
+    "crossings only.",
 }
 """The boxes of the group of crossings, and what they do."""
 

@@ -16,6 +16,9 @@ LARGER = 1.5
 REST = "8.8rem"
 """CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
+TABLE = 0.2
+"""Part of the height of the screen that a figure leaves free for a table below it, at most."""
+
 LOOK_AGAIN = 400
 """Milliseconds between looks for figures that have come since."""
 
@@ -61,21 +64,29 @@ export function render({ model }) {
       part.setv(Object.fromEntries(reset.map(name => [name, given[name]])), { sync: false })
     }
   }
-  const fit = () => {  // the controls above a figure, and a long legend, take its room: its conclusion is in sight
-    const found = new Map()
-    for (const view of Bokeh.index.query(view => view.model.type == "Figure" && view.el.checkVisibility())) {
-      let panel = view.el
-      while (panel && panel.getAttribute("role") != "tabpanel") {
-        panel = panel.parentElement ?? panel.getRootNode().host
-      }
+  const panel_of = element => {
+    while (element && element.getAttribute("role") != "tabpanel") {
+      element = element.parentElement ?? element.getRootNode().host
+    }
+    return element
+  }
+  // The controls above a figure, a long legend, and a table below take its room: its conclusion is in sight.
+  const fit = () => {
+    const found = new Map(), tables = new Map()
+    for (const view of Bokeh.index.query(view => view.el?.checkVisibility?.())) {
+      const panel = panel_of(view.el)
       if (!panel) { continue }
+      const table = view.shadow_el?.querySelector?.(".numbers table")
+      if (table != null && !tables.has(panel)) { tables.set(panel, table.getBoundingClientRect().height) }
+      if (view.model.type != "Figure") { continue }
       const longer = parseFloat(getComputedStyle(view.el).getPropertyValue("--legend")) || 0
       const above = view.el.getBoundingClientRect().top - panel.getBoundingClientRect().top + longer
       if (!(above > found.get(panel))) { found.set(panel, above) }
     }
     for (const [panel, above] of found) {
       fitted.add(panel)
-      panel.style.setProperty("--above", `${Math.round(above)}px`)
+      const table = Math.min(tables.get(panel) ?? 0, TABLE * innerHeight)
+      panel.style.setProperty("--above", `${Math.round(above + table)}px`)
     }
   }
   const turn = on => {
@@ -122,6 +133,7 @@ export function render({ model }) {
 """.replace("SPACE", SPACE)
         .replace("LARGER", str(LARGER))
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
+        .replace("TABLE", str(TABLE))
         .replace("REST", REST)
         .replace("KEY", KEY)
     )

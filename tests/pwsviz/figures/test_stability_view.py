@@ -349,7 +349,7 @@ def test_the_text_gives_the_grid_and_for_which_start_the_lines_hold(study):
 
 
 def test_an_integrator_that_works_with_every_step_size_is_said_to_do_so_up_to_the_last_one(study):
-    for last, told in ((0.5, "works up to 0.5"), (1.0, "works up to 1, the largest the page offers")):
+    for last, told in ((0.5, "successful up to τ = 0.5"), (1.0, "successful up to τ = 1, the largest value offered")):
         largest = replace(study.largest_tau, taus=np.array([0.1, last]), reason=("", ""))
         row = stability_numbers(replace(study, largest_tau=largest), "map", "rk2")[0].rows[0]
         assert row[3] == told
