@@ -43,8 +43,8 @@ SUMMARY = "Phase portrait"
 ROUNDING = 1e-12
 """Part of the largest coordinate below which a number is 0 but for rounding."""
 
-IN_ONE_LINE, IN_TWO_LINES = 150, 320
-"""Characters of equations in a line of the header of a lecture, and in two that are a little smaller."""
+LARGE, SMALLER = 320, 480
+"""Most characters of equations that the header of a lecture has room for, about three lines, and in smaller type."""
 
 LONGEST = 300
 """Characters of equations below the portrait, about three lines; longer ones are in the view Scheme only."""
@@ -209,11 +209,11 @@ def law_line(system: core.PiecewiseSystem, values: Mapping[str, float]) -> str:
     """
     numbers = ", ".join(f"{short_name(q)} {brief(values[q.name])}" for q in system.parameters)
     parts = [*indexed(equations(system)).split("; "), *filter(None, [numbers])]
-    if sum(map(len, parts)) > IN_ONE_LINE:
+    if sum(map(len, parts)) > LARGE:
         parts = [one for one in parts if not one.startswith("reset map")]
     length = sum(map(len, parts))
-    kind = "law short" if length <= IN_ONE_LINE else "law"
-    if length > IN_TWO_LINES:
+    kind = "law short" if length <= LARGE else "law"
+    if length > SMALLER:
         parts, kind = [*filter(None, [numbers])], "law short"
     return "".join(_with_powers(one, kind) for one in parts)
 

@@ -45,9 +45,6 @@ CEILING = 1.0
 LIMIT = "largest successful τ"
 """Legend of the line."""
 
-REACH = 0.06
-"""Part of the height of the map by which these lines extend above and below the start for which they hold."""
-
 PLACE = "chosen τ and start"
 """Legend of the cross."""
 
@@ -153,18 +150,18 @@ class MapFigure:
         self._place.visible = True
 
     def _show_limit(self, study: core.StabilityStudy, method: str) -> None:
-        """Draw the line about the start for which it holds, within the ends of the map."""
+        """Draw the line in the cells about the start for which it holds."""
         there = study.map is not None and draws_line(study, method)
         self._limit.visible = there
         if not there or study.map is None or study.largest_tau is None:
             assign(self.limits, **{name: [] for name in self.limits.data})
             return
-        start, (bottom, top) = float(study.x0[study.coordinate]), study.map.values[[0, -1]].tolist()
-        reach, line = REACH * (top - bottom), line_of(method)
+        line, up = line_of(method), _edges(study.map.values)
+        row = int(np.argmin(np.abs(study.map.values - study.x0[study.coordinate])))
         self.limits.data = {
             "x": study.largest_tau.tau[[study.methods.index(method)]],
-            "low": [min(max(start - reach, bottom), top)],
-            "high": [max(min(start + reach, top), bottom)],
+            "low": up[[row]],
+            "high": up[[row + 1]],
             "colour": [line.colour],
             "dash": [list(line.dash)],
         }

@@ -13,11 +13,14 @@ KEY = "l"
 LARGER = 1.5
 """Factor of the size of all type, and in figures of the lines and marks."""
 
-REST = "8.8rem"
+REST = "calc(8.8rem + var(--header, 52px) - 52px)"
 """CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
-TABLE = 0.2
-"""Part of the height of the screen that a figure leaves free for a table below it, at most."""
+TOLD = 0.3
+"""Part of the height of the screen that a figure leaves free for what is told below it, at most."""
+
+LINES = 94
+"""Pixels of that which `REST` leaves free, three lines."""
 
 LOOK_AGAIN = 400
 """Milliseconds between looks for figures that have come since."""
@@ -70,23 +73,21 @@ export function render({ model }) {
     }
     return element
   }
-  // The controls above a figure, a long legend, and a table below take its room: its conclusion is in sight.
+  // The controls above a figure, a long legend, and what is told below take its room: its conclusion is in sight.
   const fit = () => {
-    const found = new Map(), tables = new Map()
-    for (const view of Bokeh.index.query(view => view.el?.checkVisibility?.())) {
+    const found = new Map()
+    for (const view of Bokeh.index.query(view => view.model.type == "Figure" && view.el.checkVisibility())) {
       const panel = panel_of(view.el)
       if (!panel) { continue }
-      const table = view.shadow_el?.querySelector?.(".numbers table")
-      if (table != null && !tables.has(panel)) { tables.set(panel, table.getBoundingClientRect().height) }
-      if (view.model.type != "Figure") { continue }
+      const { top, bottom } = view.el.getBoundingClientRect(), all = panel.getBoundingClientRect()
       const longer = parseFloat(getComputedStyle(view.el).getPropertyValue("--legend")) || 0
-      const above = view.el.getBoundingClientRect().top - panel.getBoundingClientRect().top + longer
-      if (!(above > found.get(panel))) { found.set(panel, above) }
+      const { above = Infinity, below = Infinity } = found.get(panel) ?? {}
+      found.set(panel, { above: Math.min(above, top - all.top + longer), below: Math.min(below, all.bottom - bottom) })
     }
-    for (const [panel, above] of found) {
+    for (const [panel, { above, below }] of found) {
       fitted.add(panel)
-      const table = Math.min(tables.get(panel) ?? 0, TABLE * innerHeight)
-      panel.style.setProperty("--above", `${Math.round(above + table)}px`)
+      const told = Math.min(below, TOLD * innerHeight)
+      panel.style.setProperty("--above", `${Math.round(above + Math.max(0, told - LINES))}px`)
     }
   }
   const turn = on => {
@@ -133,7 +134,8 @@ export function render({ model }) {
 """.replace("SPACE", SPACE)
         .replace("LARGER", str(LARGER))
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
-        .replace("TABLE", str(TABLE))
+        .replace("TOLD", str(TOLD))
+        .replace("LINES", str(LINES))
         .replace("REST", REST)
         .replace("KEY", KEY)
     )

@@ -146,7 +146,7 @@ def _default_values(
     system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], coordinate: int,
     sliding: str, cancel: Cancel | None,
 ) -> Floats:  # fmt: skip
-    """Default values: the range of the coordinate along the trajectory from x₀, and a margin, as in its portrait."""
+    """Default values: that of x₀, and others in the range along its trajectory and a margin, as in the portrait."""
     run = reference_run(system, x0, t_span, record="steps", sliding=sliding, cancel=cancel)
     seen, times = run.x[:, coordinate], np.linspace(run.t[0], run.t[-1], _INSTANTS)
     away = np.abs(seen - x0[coordinate])
@@ -157,7 +157,9 @@ def _default_values(
     margin = _MARGIN * (high - low) or max(abs(low), 1.0) / 2
     wide = np.linspace(low - margin, high + margin, _INSTANTS)
     within = _within_walls(system, x0, t_span[0], coordinate, wide)
-    return np.linspace(within[0], within[-1], STARTS_OF_MAP)
+    values = np.linspace(within[0], within[-1], STARTS_OF_MAP)
+    values[np.argmin(np.abs(values - x0[coordinate]))] = x0[coordinate]
+    return values
 
 
 def _within_walls(system: PiecewiseSystem, x0: tuple[float, ...], t0: float, coordinate: int, values: Floats) -> Floats:
