@@ -10,6 +10,7 @@ from itertools import chain, islice
 import numpy as np
 from numpy.typing import NDArray
 
+from core.diagnostics.amplification import amplified
 from core.diagnostics.constants import (
     discrete_constants,
     rates,
@@ -21,6 +22,7 @@ from core.diagnostics.encounters import Encounters, encounters
 from core.diagnostics.near_touches import near_touches
 from core.diagnostics.resolution import resolvable, unresolved
 from core.diagnostics.scheme import Scheme
+from core.diagnostics.slow_crossings import slow_crossings
 from core.integration.crossings import Crossings
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
@@ -130,14 +132,16 @@ def step_warning(run: Trajectory) -> str:
     """Warning about the step size, in a sentence; '' where there is none.
 
     The first of `unresolved`: steps too long for g or for the field; else that of `undecided_corners`, of
-    `slid_into_corners`, of `near_touches`, or of `Diagnosis.warnings` from the first 256 crossings.
+    `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, or of `Diagnosis.warnings` from the
+    first 256 crossings.
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
-    corners = chain(undecided_corners(run), slid_into_corners(run))
-    warnings = unresolved(run) or tuple(islice(chain(corners, near_touches(run)), 1))
+    judged = run.crossings.first(min(_FIRST, _judged(run)))
+    doubts = (undecided_corners(run), slid_into_corners(run), near_touches(run), slow_crossings(run, judged))
+    warnings = unresolved(run) or tuple(islice(chain(*doubts, amplified(run)), 1))
     if not warnings:
-        warnings = _diagnosis(run, run.crossings.first(min(_FIRST, _judged(run)))).warnings
+        warnings = _diagnosis(run, judged).warnings
     return f"{warnings[0]}." if warnings else ""
 
 

@@ -94,7 +94,8 @@ def encounters(run: Trajectory, crossings: Crossings) -> Encounters:
     onward = np.where(jumped[:, None], crossings.x_after, crossings.surface)
     before, after = crossings.rate_before, crossings.rate_after
     leading_to, leading_on = _regions(laws, left), _regions(laws, crossings.mode)
-    crosses = np.where(one_way, before != 0.0, np.where(jumped, before * after != 0.0, before * after > 0.0))
+    both = np.sign(before) * np.sign(after)  # the rates themselves may be as large as numbers are
+    crosses = np.where(one_way, before != 0.0, np.where(jumped, both != 0.0, both > 0.0))
     crosses &= (leading_to != _NONE) & (leading_on != _NONE) & (crossings.kind != "corner")
     return Encounters(
         Branch(t, crossings.surface, leading_to, surface, before, -direction * gaps[:-1]),

@@ -1,0 +1,68 @@
+"""Warn where a surface is met so slowly that the rounding of g decides when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from core.codegen.rounding import rounding_bound
+from core.diagnostics.encounters import Branch, by_number, encounters
+from core.integration.crossings import Crossings
+from core.integration.trajectory import Trajectory
+from core.kernels.arrays import Floats
+
+__all__ = ["slow_crossings"]
+
+#: Error of the state, relative to its size, that is told: half the digits are lost.
+_HALF = 2.0**-26
+#: Order of a root of g at most, by which the time that rounding lasts is longer than the rate there tells.
+_ORDER = 5.0
+_EPS = 2.0**-52
+
+
+def slow_crossings(run: Trajectory, crossings: Crossings) -> Iterator[str]:
+    """Say which crossing is told least well in time, if the state suffers from that.
+
+    The value of g near the surface is rounding as long as it is less than the bound on that. The time that this lasts
+    is an error of the crossing time; times the speed, of the state.
+
+    Yields
+    ------
+    str
+        A sentence without the last full stop.
+    """
+    arrival = encounters(run, crossings).before
+    with np.errstate(all="ignore"):
+        lasts = _ORDER * _EPS * _noise(run, arrival) / np.abs(arrival.rate)
+        moved = lasts[:, None] * np.abs(_field(run, arrival))
+        size = np.maximum(np.abs(run.x).max(axis=0), np.abs(arrival.x))
+        lost = np.nan_to_num(moved / size).max(axis=1, initial=0.0)
+    if lost.max(initial=0.0) > _HALF:
+        worst = int(np.argmax(lost))
+        yield (
+            f"The surface is met slowly at t = {arrival.t[worst]:.6g}: the values of g are rounding errors for about "
+            f"{lasts[worst]:.1g} there, by which the time of crossing is uncertain. No step size helps: write g so "
+            "that its terms do not cancel, or change the initial condition"
+        )
+
+
+def _noise(run: Trajectory, arrival: Branch) -> Floats:
+    """(k,) bounds on the rounding of g at the surfaces met, in units of the machine epsilon."""
+    laws, p = run.system.laws, run.system.parameter_array
+
+    def of_one(surface: int, t: Floats, x: Floats) -> Floats:
+        bound = (rounding_bound(laws.surfaces[surface]),)
+        return laws.evaluate(("rounding of g", surface), bound, t, x, p)[:, 0]
+
+    return by_number(arrival.surface, of_one, arrival.t, arrival.x)
+
+
+def _field(run: Trajectory, arrival: Branch) -> Floats:
+    """(k, d) the fields by which they are met; nan where the run slides."""
+    laws, p = run.system.laws, run.system.parameter_array
+
+    def of_one(mode: int, t: Floats, x: Floats) -> Floats:
+        return laws.evaluate(("field", mode), laws.mode(mode).written.field, t, x, p)
+
+    return by_number(arrival.mode, of_one, arrival.t, arrival.x)
