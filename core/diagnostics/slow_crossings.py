@@ -24,8 +24,9 @@ _EPS = 2.0**-52
 def slow_crossings(run: Trajectory, crossings: Crossings) -> Iterator[str]:
     """Say which crossing is told least well in time, if the state suffers from that.
 
-    The value of g near the surface is rounding as long as it is less than the bound on that. The time that this lasts
-    is an error of the crossing time; times the speed, of the state.
+    The value of g near the surface is rounding as long as it is less than the bound on that, or than the value at which
+    the surface was taken to be met. The time that this lasts is an error of the crossing time; times the speed, of the
+    state.
 
     Yields
     ------
@@ -33,8 +34,10 @@ def slow_crossings(run: Trajectory, crossings: Crossings) -> Iterator[str]:
         A sentence without the last full stop.
     """
     arrival = encounters(run, crossings).before
+    located = (crossings.x == crossings.surface).all(axis=1)  # not displaced by a perturbation
     with np.errstate(all="ignore"):
-        lasts = _ORDER * _EPS * _noise(run, arrival) / np.abs(arrival.rate)
+        noise = np.maximum(_EPS * _noise(run, arrival), np.where(located, np.abs(crossings.g), 0.0))
+        lasts = _ORDER * noise / np.abs(arrival.rate)
         moved = lasts[:, None] * np.abs(_field(run, arrival))
         size = np.maximum(np.abs(run.x).max(axis=0), np.abs(arrival.x))
         lost = np.nan_to_num(moved / size).max(axis=1, initial=0.0)
