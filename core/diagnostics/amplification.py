@@ -1,39 +1,47 @@
 """Warn where small errors grow to the size of the solution: rounding, or the errors of steps, decide what a run shows.
 
-A second run starts a little beside the first. What their distance has become is how much errors are amplified: this is
-measured, in one direction, and not a bound.
+Another run starts anew beside it at many instants. How far they are apart at the next one tells how errors grow from
+one to the other; at each, those of rounding are added. This is measured, in the direction into which the errors before
+have grown, and not a bound.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
 from core.integration.trajectory import Status, Trajectory
+from core.kernels.abi import TOLERANCE
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 
 __all__ = ["amplified"]
 
-#: Distance between the starts of two runs, relative to each variable: some thousand roundings.
-_BESIDE = 1e-12
-#: Distance, relative to the same, at which two runs have nothing in common any more.
-_APART = 0.5
-#: Factor by which errors are amplified where those of steps are compared, too: phases that drift do not make it.
+#: Error, relative to the range of a variable so far, that is told.
+_SPOILT = 0.1
+#: Distance of the other run, relative to the same: errors are small beside it, and it grows in proportion.
+_BESIDE = 1e-7
+#: Factor by which errors are amplified where those of steps are added, too: phases that drift do not make it.
 _LARGE = 1e6
-#: Part of the tolerance with which a method that chooses its steps makes a run again.
-_FINER = 1.0 / 16.0
+#: Part of the tolerance with which a method that chooses its steps takes shorter ones.
+_FINER = 2.0**-10
 _EPS = 2.0**-52
+#: Number of equally spaced instants …
+_INSTANTS = 64
+#: … which are this part of their distance earlier, so that impacts at even times are not among them.
+_UNEVEN = 0.381966
+#: Instants within which an error must not have grown to that, or the time up to there is divided anew …
+_EARLY = 24
+#: … so often at most.
+_ROUNDS = 6
+#: Most steps, times d: of longer runs, the beginning is examined.
+_MOST_STEPS = 200_000
 #: How runs end in which the numerical solution grows without bound.
 _RUNS_AWAY = (Status.ESCAPED, Status.UNSTABLE)
-#: Equally spaced instants at which runs are compared.
-_INSTANTS = 64
-#: Most steps of each, times d: of longer runs, the beginning is examined.
-_MOST_STEPS = 200_000
 
 
 def amplified(run: Trajectory) -> Iterator[str]:
@@ -46,72 +54,99 @@ def amplified(run: Trajectory) -> Iterator[str]:
     """
     if run.t[-1] == run.t[0] or run.status in _RUNS_AWAY:  # at a pole every error grows without bound
         return
-    again = _Again(run)
-    states = again.states(run.x[0])
-    distance = _BESIDE * np.abs(np.vstack([run.x[:1], states[:1]])).max(axis=0)
-    others = again.beside(distance)
-    if (t := again.parted(states, others)) is not None:
+    growth = _growth(run)
+    if growth.spoilt is not None:
         yield (
-            f"Small errors grow: a change of the start by {_BESIDE:.0e} of its size changes the state by its own size "
-            f"before t = {t:.3g}, and so do the errors of rounding; later states are not determined by the start"
+            f"Small errors grow, by a factor of {growth.factor:.0e} up to t = {growth.spoilt:.3g}: the rounding of a "
+            "state may by then have changed the solution by a tenth of its range, and what follows"
         )
-        return
-    both = min(len(states), len(others))
-    factor = np.abs(states[:both] - others[:both]).max(initial=0.0) / (distance.max() or 1.0)
-    if factor > _LARGE and (t := again.parted(states, again.states(run.x[0], finer=True))) is not None:
-        finer = "a smaller tolerance" if METHODS[run.method].adaptive else "half of tau"
-        yield (
-            f"Small errors grow, by a factor of {factor:.0e}: {finer} changes the state by its own size before "
-            f"t = {t:.3g}; take less still, or end the run before"
-        )
+    elif growth.factor > _LARGE:
+        growth = _growth(run, of_steps=True)
+        if growth.spoilt is not None:
+            yield (
+                f"Small errors grow, by a factor of {growth.factor:.0e} up to t = {growth.spoilt:.3g}: those of the "
+                "steps have by then changed the solution by a tenth of its range, and what follows; take a smaller "
+                f"{'tolerance' if METHODS[run.method].adaptive else 'tau'}"
+            )
 
 
 @dataclass(frozen=True)
-class _Again:
-    """Makes a run again, from other starts or with finer steps, and compares the states at some instants."""
+class _Growth:
+    """What the errors of a run have grown to."""
 
-    run: Trajectory
+    factor: float
+    """Largest factor between two instants."""
+    spoilt: float | None
+    """Time at which they are as large as the range of a variable; None if they are not."""
 
-    @property
-    def steps(self) -> int:
-        """Number of steps that are examined, one at least: a run may end within its first."""
-        return min(max(self.run.steps, 1), _MOST_STEPS // self.run.system.dimension)
 
-    @property
-    def times(self) -> Floats:
-        """The instants."""
-        part = self.steps / max(self.run.steps, 1) * (self.run.t[-1] - self.run.t[0])
-        times: Floats = self.run.t[0] + np.arange(1, _INSTANTS + 1) / _INSTANTS * part
-        return times
+def _growth(run: Trajectory, of_steps: bool = False) -> _Growth:
+    """The growth of the errors of rounding and, if asked for, of those of the steps."""
+    steps = max(run.steps, 1)
+    length = min(1.0, _MOST_STEPS / (steps * run.system.dimension)) * (run.t[-1] - run.t[0])
+    found = _Growth(1.0, None)
+    for _ in range(_ROUNDS):
+        times = run.t[0] + length * (np.arange(1, _INSTANTS + 1) - _UNEVEN) / (_INSTANTS - _UNEVEN)
+        if length == run.t[-1] - run.t[0]:
+            times[-1] = run.t[-1]
+        again = _grown(run, times, of_steps)
+        if again.spoilt is None:
+            return again if found.spoilt is None else found
+        found = again
+        if found.spoilt in times[_EARLY:]:
+            break
+        length = found.spoilt - run.t[0]
+    return found
 
-    def states(self, x0: Floats, finer: bool = False) -> Floats:
-        """States there, up to where the run ends, or has taken many more steps or crossings than the first."""
-        run, more = self.run, 4 if finer else 2
-        steps, crossings = more * self.steps + _INSTANTS, more * run.crossing_count + _INSTANTS
-        tau, tolerance = (0.5 * run.tau, max(_FINER * run.tolerance, _EPS)) if finer else (run.tau, run.tolerance)
-        settings = Settings(tau, tolerance, max_crossings=crossings, max_steps=steps, slides=run.slides)
-        runner = Runner(run.system, METHODS[run.method], float(run.t[0]), tuple(x0.tolist()), settings)
-        states = np.empty((_INSTANTS, len(x0)))
-        for k, t in enumerate(self.times.tolist()):
-            if runner.advance(t, keep_hits=False) is not Status.COMPLETED:
-                return states[:k]
-            states[k] = runner.x
-        return states
 
-    def beside(self, distance: Floats) -> Floats:
-        """States of a run that starts beside the first, on a side of it on which one can start."""
-        for sign in (1.0, -1.0):
-            try:
-                return self.states(self.run.x[0] + sign * distance)
-            except ValueError:  # no law is declared there
-                continue
-        return np.empty((0, len(distance)))
+def _grown(run: Trajectory, times: Floats, of_steps: bool) -> _Growth:
+    """The growth of errors over some times."""
+    crossings = 2 * run.crossing_count + _INSTANTS
+    steps = 2 * run.steps + 2 * crossings + _INSTANTS
+    settings = Settings(run.tau, run.tolerance, max_crossings=crossings, max_steps=steps, slides=run.slides)
+    base = Runner(run.system, METHODS[run.method], float(run.t[0]), tuple(run.x[0].tolist()), settings)
+    low = high = base.x
+    error, factor, largest = _EPS * np.abs(low), 1.0, 1.0
+    for t in times.tolist():
+        others = [base.copy() for _ in range(1 + of_steps)]
+        if base.advance(t, keep_hits=False) is not Status.COMPLETED:
+            break
+        x = base.x
+        low, high = np.minimum(low, x), np.maximum(high, x)
+        size = np.where(high > low, high - low, np.inf)
+        error, by = _propagated(others[0], t, x, error, size)
+        factor = max(1.0, factor * by)
+        largest = max(largest, factor)
+        if of_steps:
+            _refine(others[1])
+            if others[1].advance(t, keep_hits=False) is Status.COMPLETED:
+                error += np.copysign(others[1].x - x, error)
+        for one in others:
+            one.release()
+        if of_steps and t == run.t[-1]:  # the steps to the instants are other ones than those of the run
+            error = np.maximum(np.abs(error), np.abs(x - run.x[-1]))
+        if (np.abs(error) >= _SPOILT * size).any():
+            return _Growth(largest, t)
+    return _Growth(largest, None)
 
-    def parted(self, states: Floats, others: Floats) -> float | None:
-        """Time from which two runs have nothing in common; None if they stay together, or jump one after the other."""
-        both = min(len(states), len(others))
-        largest = np.maximum.accumulate(np.abs(np.vstack([self.run.x[:1], states[:both]])))[1:]
-        far = _APART * np.where(largest > 0.0, largest, np.inf)
-        apart = np.any(np.abs(states[:both] - others[:both]) >= far, axis=1)
-        first = int(np.argmax(apart)) if apart.any() else both
-        return float(self.times[first]) if 2 * np.count_nonzero(apart[first:]) > both - first else None
+
+def _refine(other: Runner) -> None:
+    """Let a run take half the steps, or those of a much smaller tolerance."""
+    if other.method.adaptive:
+        other.memory.w[TOLERANCE] = max(_FINER * other.settings.tolerance, _EPS)
+    else:
+        other.settings = replace(other.settings, tau=0.5 * other.settings.tau)
+
+
+def _propagated(other: Runner, t: float, x: Floats, error: Floats, size: Floats) -> tuple[Floats, float]:
+    """The error at a time t, where the state is x, of one before it, with that of rounding; and how it has grown."""
+    before = float((np.abs(error) / size).max())
+    if not 0.0 < before < np.inf:
+        return _EPS * np.abs(x), 1.0
+    times = _BESIDE / before
+    other.displace(times * error)
+    if other.advance(t, keep_hits=False) is not Status.COMPLETED:
+        return error, 1.0
+    grown = (other.x - x) / times
+    after = float((np.abs(grown) / size).max())
+    return np.where(np.abs(grown) < _EPS * np.abs(x), np.copysign(_EPS * np.abs(x), grown), grown), after / before

@@ -14,7 +14,7 @@ from core.kernels.arrays import Floats
 
 __all__ = ["slow_crossings"]
 
-#: Error of the state, relative to its size, that is told: half the digits are lost.
+#: Error of the state, relative to its size, and of the time, to that passed, that is told: half the digits are lost.
 _HALF = 2.0**-26
 #: Order of a root of g at most, by which the time that rounding lasts is longer than the rate there tells.
 _ORDER = 5.0
@@ -22,7 +22,7 @@ _EPS = 2.0**-52
 
 
 def slow_crossings(run: Trajectory, crossings: Crossings) -> Iterator[str]:
-    """Say which crossing is told least well in time, if the state suffers from that.
+    """Say which crossing is told least well, if half its digits are lost.
 
     The value of g near the surface is rounding as long as it is less than the bound on that, or than the value at which
     the surface was taken to be met. The time that this lasts is an error of the crossing time; times the speed, of the
@@ -39,14 +39,15 @@ def slow_crossings(run: Trajectory, crossings: Crossings) -> Iterator[str]:
         noise = np.maximum(_EPS * _noise(run, arrival), np.where(located, np.abs(crossings.g), 0.0))
         lasts = _ORDER * noise / np.abs(arrival.rate)
         moved = lasts[:, None] * np.abs(_field(run, arrival))
+        passed = np.maximum(np.abs(arrival.t - run.t[0]), run.tau)
         size = np.maximum(np.abs(run.x).max(axis=0), np.abs(arrival.x))
-        lost = np.nan_to_num(moved / size).max(axis=1, initial=0.0)
+        lost = np.nan_to_num(np.column_stack([moved / size, lasts / passed])).max(axis=1)
     if lost.max(initial=0.0) > _HALF:
         worst = int(np.argmax(lost))
         yield (
             f"The surface is met slowly at t = {arrival.t[worst]:.6g}: the values of g are rounding errors for about "
-            f"{lasts[worst]:.1g} there, by which the time of crossing is uncertain. No step size helps: write g so "
-            "that its terms do not cancel, or change the initial condition"
+            f"{lasts[worst]:.1g} there, by which the time of crossing is uncertain. No step size helps: change the "
+            "initial condition or a parameter, or write g so that its terms do not cancel"
         )
 
 

@@ -156,6 +156,12 @@ class Runner(Run):
         for name in ("jumped", "past", "near", "asked", "inward", "outward", "folded"):
             run[name] = 0
 
+    def displace(self, by: Floats) -> None:
+        """Go on from another state beside the present one, in the same mode."""
+        self.memory.x[:] += by
+        if self.first_mode != NO_MODE:  # heights and levels are those of the new state
+            self._begin_in(self.mode, ())
+
     def _pass_corner(self, direction: float) -> None:
         """Go on from a corner, if the laws around leave one way out."""
         surfaces = self._surfaces_at_corner()

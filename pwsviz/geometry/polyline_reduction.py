@@ -23,6 +23,12 @@ Mask = NDArray[np.bool_]
 RESOLUTION = 1500
 """Pixels assumed along the longer side of a plot, more than most screens give it."""
 
+TOLERANCES = (0.25, 0.5, 1.0)
+"""Distances to which a curve is simplified, in pixels: the next one if too many vertices remain."""
+
+MOST_VERTICES = 12_000
+"""Most vertices of a curve: below, gaps would be seen in what fills an area but sparsely."""
+
 EVERYWHERE = (-np.inf, np.inf, -np.inf, np.inf)
 """Ends (left, right, bottom, top) of a window that leaves out nothing."""
 
@@ -111,14 +117,14 @@ def screen_path(
     points: Floats,
     pinned: Mask | None = None,
     shown: Mask | None = None,
-    limit: int = 4000,
+    limit: int = MOST_VERTICES,
     pixel: float | None = None,
 ) -> Floats:
     """Reduce a trajectory to at most `limit` vertices that draw the same picture.
 
-    First it is simplified to within a quarter of a pixel. If too many vertices remain, the orbit repeats itself on the
-    screen; then only the pieces that reach pixels not painted before are kept. If even these are too many (a trajectory
-    that fills an area), the pixels are enlarged until the bound is met. No edge is painted twice: see `painted_once`.
+    It is simplified to within a quarter of a pixel; if too many vertices remain, of half a pixel, or of a whole one. If
+    these are still too many, the trajectory fills an area; then only the pieces that reach pixels not painted before
+    are kept, and the pixels are enlarged until the bound is met. No edge is painted twice: see `painted_once`.
 
     Parameters
     ----------
@@ -150,12 +156,15 @@ def screen_path(
     if coarsest == 0.0:
         return curve.points[:1]
     finest = size = coarsest if pixel is None else pixel
-    path = curve.path(size / 4)
-    while len(path) > limit or len(path := painted_once(path, finest)) > limit:
+    for part in TOLERANCES:
+        path = painted_once(curve.path(part * size), finest)
+        if len(path) <= limit:
+            return path
+    while len(path) > limit:
         size = max(size, coarsest)
         curve = curve.unpainted(size)
         size *= 1.5
-        path = curve.path(size / 4)
+        path = painted_once(curve.path(size / 4), finest)
     return path
 
 

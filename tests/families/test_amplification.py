@@ -1,6 +1,6 @@
 """Systems that amplify small errors: a run that these spoil says so, and one that they do not spoil does not.
 
-About a known way, p(t), the fields are linear; the rates are drawn. On each side of a surface the way is the same.
+The fields are linear about known ways, with rates that are drawn, or chaotic; then two runs are compared.
 """
 
 from __future__ import annotations
@@ -15,6 +15,10 @@ from tests.families.oracles import silent
 from tests.levels import deep_but
 
 METHODS = ("rk4", "taylor", "rk8", "gauss4")
+
+
+def _settings(method, tau):
+    return {} if method == "taylor" else {"tau": float(tau)}
 
 
 @cache
@@ -42,28 +46,89 @@ def test_a_run_that_small_errors_have_spoilt_says_so(draws, signs, method):
     spoilt = 0
     for rng in draws(12):
         system, end = _drawn(rng, signs), float(rng.uniform(1, 12))
-        settings = {} if method == "taylor" else {"tau": float(10 ** rng.uniform(-3.0, -1.5))}
-        run = core.integrate(system, (0.0, end), method=method, **settings)
+        run = core.integrate(system, (0.0, end), method=method, **_settings(method, 10 ** rng.uniform(-3.0, -1.5)))
         off = np.abs(run.x[-1] - (np.cos(run.t[-1]), np.sin(run.t[-1]))).max()
-        assert off < 1.0 or not silent(run), f"off by {off:.1e}: {system.values}, {end}, {settings}"
+        assert off < 1.0 or not silent(run), f"off by {off:.1e}: {system.values}, {end}, {run.tau}"
         spoilt += off >= 1.0
     assert spoilt > 0
+
+
+@cache
+def _swinging() -> core.PiecewiseSystem:
+    law = ("a*cos(t)*(x - 2 - cos(3*t)) - 3*sin(3*t)",)
+    return core.PiecewiseSystem("swinging", ("x",), law, law, "x - 5", parameters={"a": 1.0}, x0=(3.0,))
+
+
+@pytest.mark.parametrize("method", deep_but(METHODS[:2], METHODS))
+def test_errors_that_decay_first_and_then_grow_are_told(draws, method):
+    for rng in draws(20):
+        system, end = _swinging().with_parameters(a=float(rng.uniform(-40, 40))), float(rng.uniform(1, 20))
+        run = core.integrate(system, (0.0, end), method=method, **_settings(method, 10 ** rng.uniform(-3.5, -1.7)))
+        off = float(np.abs(run.x[-1, 0] - 2 - np.cos(3 * run.t[-1])))
+        assert off < 1.0 or not silent(run), f"off by {off:.1e}: {system.values}, {end}, {run.tau}"
+
+
+@cache
+def _logistic() -> core.PiecewiseSystem:
+    """The logistic map, applied whenever the other variable has come to 1."""
+    way = ("1", "0")
+    return core.PiecewiseSystem(
+        "logistic", ("x", "y"), way, way, "x - 1", jump=("0", "r*y*(1 - y)"), parameters={"r": 4.0}, x0=(0.0, 0.3)
+    )
+
+
+@pytest.mark.parametrize("record", ["steps", "end"])
+@pytest.mark.parametrize("method", deep_but(("taylor",), ("taylor", "rk8")))
+def test_chaos_by_jumps_is_told_and_a_cycle_is_not(draws, method, record):
+    for rng in draws(12):
+        count, chaotic = int(rng.integers(80, 400)), bool(rng.integers(2))
+        r = float(rng.uniform(3.9, 4.0) if chaotic else rng.uniform(3.1, 3.4))
+        system = _logistic().with_parameters(r=r)
+        run = core.integrate(
+            system, (0.0, count + 0.5), (0.0, float(rng.uniform(0.1, 0.9))), 0.1, method, record=record
+        )
+        assert ("errors grow" in run.message) == chaotic, f"{run.message}: {system.values}, {run.x[0]}, {count}"
+
+
+_LORENZ = ("10*((y - c) - (x - c))", "(x - c)*(28 - (z - c)) - (y - c)", "(x - c)*(y - c) - 8/3*(z - c)")
+
+
+@cache
+def _lorenz() -> core.PiecewiseSystem:
+    return core.PiecewiseSystem(
+        "Lorenz", ("x", "y", "z"), _LORENZ, tuple(f"1*({f})" for f in _LORENZ), "x - c", parameters={"c": 0.0}
+    )
+
+
+@pytest.mark.parametrize("method", deep_but(("taylor",), ("taylor", "rk8")))
+def test_of_two_runs_of_a_chaotic_system_that_differ_one_says_so(draws, method):
+    for rng in draws(8):
+        c = float(rng.choice([0.0, 10 ** rng.uniform(2, 9)]))
+        start, end = c + rng.uniform(1, 20, 3), float(rng.uniform(10, 60))
+        settings = ({"tau": 0.002}, {"tau": 0.0031}) if method == "rk8" else ({}, {"tolerance": 1e-13})
+        runs = [
+            core.integrate(_lorenz().with_parameters(c=c), (0.0, end), tuple(start.tolist()), method=method, **one)
+            for one in settings
+        ]
+        apart = np.abs(runs[0].x[-1] - runs[1].x[-1]).max()
+        assert apart < 12.0 or not all(map(silent, runs)), f"{apart:.2g} apart: {c}, {start}, {end}"
+        if c == 0.0 and end < 18.0:
+            assert "errors grow" not in runs[0].message
 
 
 @pytest.mark.parametrize("method", deep_but(METHODS[:2], METHODS))
 def test_where_small_errors_stay_small_nothing_is_said_of_them(draws, method):
     for rng in draws(12):
         system, end = _drawn(rng, (-1, -1)), float(rng.uniform(1, 12))
-        settings = {} if method == "taylor" else {"tau": 0.005}
-        run = core.integrate(system, (0.0, end), method=method, **settings)
+        run = core.integrate(system, (0.0, end), method=method, **_settings(method, 0.005))
         assert "errors grow" not in run.message, f"{run.message}: {system.values}, {end}"
 
 
+ORDERLY = ("harmonic_oscillator", "elliptic_curve", "kepler", "bouncing_ball", "stick_slip", "relay_feedback")
+
+
 @pytest.mark.parametrize("method", deep_but(METHODS[:2], METHODS))
-@pytest.mark.parametrize(
-    "key", ["harmonic_oscillator", "elliptic_curve", "kepler", "bouncing_ball", "stick_slip", "relay_feedback"]
-)
+@pytest.mark.parametrize("key", ORDERLY)
 def test_a_long_run_that_is_not_chaotic_is_not_said_to_be(key, method):
-    settings = {} if method == "taylor" else {"tau": 0.01}
-    run = core.integrate(key, (0.0, 300.0), method=method, sliding="continue", **settings)
+    run = core.integrate(key, (0.0, 300.0), method=method, sliding="continue", **_settings(method, 0.01))
     assert "errors grow" not in run.message

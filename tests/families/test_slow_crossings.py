@@ -5,6 +5,8 @@ Where rounding of g decides when such a surface is met, a run says so; the exact
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import core
@@ -45,3 +47,15 @@ def test_a_crossing_that_rounding_does_not_move_is_not_said_to_be_slow(draws, ki
         p = {"a": float(10 ** rng.uniform(-3, 3)), "c": float(rng.uniform(0.5, 1.5)), "s": float(rng.uniform(0.1, 2))}
         run = core.integrate(_system(kind, p), (0.0, 2.0), method="rk4", tau=0.01)
         assert "met slowly" not in run.message, f"{run.message}: {p}"
+
+
+@pytest.mark.parametrize("method", deep_but(("taylor", "rk4"), ("taylor", "rk4", "rk8")))
+def test_a_surface_that_the_state_relaxes_to_is_met_in_time_or_told(draws, method):
+    law = ("k*(1 - x)",)
+    system = core.PiecewiseSystem("relaxing", ("x",), law, law, "x - c", parameters={"k": 1.0, "c": 0.5}, x0=(0.0,))
+    for rng in draws(12):
+        k, c = float(rng.uniform(0.5, 2.0)), 1.0 - float(10 ** rng.uniform(-15.5, -1.0))
+        run = core.integrate(system.with_parameters(k=k, c=c), (0.0, 80.0), method=method, tau=0.02)
+        exact = -math.log1p(-c) / k
+        off = abs(float(run.crossings.t[0]) - exact) if len(run.crossings) else math.inf
+        assert off < 1e-5 * exact or not silent(run), f"off by {off:.1e}: k = {k}, 1 - c = {1 - c}"

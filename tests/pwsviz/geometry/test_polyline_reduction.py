@@ -8,9 +8,11 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+import core
 from pwsviz.geometry.envelope import envelope
 from pwsviz.geometry.polyline_reduction import (
     MOST_CELLS,
+    MOST_VERTICES,
     RESOLUTION,
     distinct_pixels,
     first_in_cells,
@@ -75,7 +77,7 @@ def test_vertices_gather_where_the_curve_bends():
 def test_a_closed_orbit_is_drawn_to_a_pixel_however_often_it_goes_round(turns):
     points = circle(200_000, turns)
     path = screen_path(points)
-    assert len(path) <= 4000
+    assert len(path) <= MOST_VERTICES
     assert distance_to_path(points[::997], path) <= 2 * 2 / RESOLUTION
 
 
@@ -86,7 +88,15 @@ def test_no_path_exceeds_its_limit(points, limit):
 
 def test_a_curve_that_fills_an_area_is_bounded_too():
     rng = np.random.default_rng(1)
-    assert len(screen_path(rng.normal(size=(100_000, 2)))) <= 4000
+    assert len(screen_path(rng.normal(size=(100_000, 2)))) <= MOST_VERTICES
+
+
+@pytest.mark.parametrize("key", ["chua", "henon_heiles"])
+def test_a_curve_that_fills_an_area_but_sparsely_has_no_gaps(key):
+    run = core.integrate(key, (0.0, 300.0), method="rk4", tau=0.01)
+    points = run.x[:, [0, -1]]
+    pixel = np.ptp(points, axis=0).max() / RESOLUTION
+    assert distance_to_path(points[::97], screen_path(points)) <= 4 * pixel  # those left out are beside others
 
 
 def test_no_edge_jumps_across_a_gap():
