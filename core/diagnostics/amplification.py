@@ -31,11 +31,11 @@ _LARGE = 1e6
 _FINER = 2.0**-10
 _EPS = 2.0**-52
 #: Number of equally spaced instants …
-_INSTANTS = 64
+_INSTANTS = 32
 #: … which are this part of their distance earlier, so that impacts at even times are not among them.
 _UNEVEN = 0.381966
 #: Instants within which an error must not have grown to that, or the time up to there is divided anew …
-_EARLY = 24
+_EARLY = 12
 #: … so often at most.
 _ROUNDS = 6
 #: Most steps, times d: of longer runs, the beginning is examined.
