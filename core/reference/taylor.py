@@ -52,7 +52,10 @@ class TaylorSolution:
     """
 
     exact = False
-    name = f"Taylor method at tolerance {_FINE:g} (error estimated by its difference from a run at {_COARSE:g})"
+    name = (
+        f"Taylor method in double precision, with steps for a tolerance of {_FINE:g} "
+        f"(error estimated by its difference from a run at {_COARSE:g})"
+    )
 
     def __init__(
         self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, cancel: Cancel | None = None,

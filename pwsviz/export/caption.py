@@ -96,7 +96,7 @@ def _of_laws(system: core.PiecewiseSystem) -> Iterator[str]:
     if len(surfaces := ", ".join(told.surfaces)) <= LONGEST and surfaces:
         signs = f"; a region is named by the signs of {listed([one.partition(' ')[0] for one in told.surfaces])}"
         signs *= system.laws.sides.shape[1] > 0
-        yield f"S = {{g = 0}} with {surfaces}" if system.two_sided else f"surfaces gₖ = 0 with {surfaces}{signs}"
+        yield f"S = {{g = 0}} with {surfaces}" if system.two_sided else f"surfaces gᵢ = 0 with {surfaces}{signs}"
     if short:
         yield from _resets(told.resets)
         if told.transitions:

@@ -81,7 +81,7 @@ def meaning(curves: Sequence[ErrorCurve], met: str, round_off: bool = True) -> s
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         when = "so far" if round_off_grows(curves[0]) else "in the run"
-        words += [f"The round-off line is {LEVEL} times the largest |ψ| + Σₖ |xₖ\u00a0∂ψ/∂xₖ| {when}"] * round_off
+        words += [f"The round-off line is {LEVEL} times the largest |ψ| + Σᵢ |xᵢ\u00a0∂ψ/∂xᵢ| {when}"] * round_off
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
     if any(np.nanmax(curve.error, initial=0.0) >= CEILING for curve in curves):
@@ -102,7 +102,7 @@ def conserved_text(curves: Sequence[ErrorCurve]) -> str:
     if not told:
         return ""
     words = "; ".join(told) + "."
-    terms = " “Relative” is to |ψ| + Σ |xₖ ∂ψ/∂xₖ|." * (RELATIVE in words)
+    terms = " “Relative” is to |ψ| + Σ |xᵢ ∂ψ/∂xᵢ|." * (RELATIVE in words)
     return words + terms + _about_marks(curves)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.core.properties import value
-from bokeh.events import MouseLeave, MouseMove, RangesUpdate
+from bokeh.events import MouseLeave, MouseMove, Pan, RangesUpdate
 from bokeh.models import ColumnDataSource, CustomJS
 from bokeh.models.annotations import Label, LegendItem
 from bokeh.models.glyphs import Line, MultiPolygons, Scatter
@@ -172,6 +172,7 @@ class Ground:
             axis.js_on_change("end", label, wait)
         tell = CustomJS(args=plane | {"readout": self.readout}, code=TELL_PLACE)
         self.figure.js_on_event(MouseMove, tell)
+        self.figure.js_on_event(Pan, tell)  # as a start is dragged
         self.figure.js_on_event(MouseLeave, tell)
 
     def _lines(self, side: int) -> list[ColumnDataSource]:

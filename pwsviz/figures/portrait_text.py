@@ -87,11 +87,12 @@ def _shape(orbit: Orbit, across: str, up: str) -> str:
 def marks_text(pictures: Pictures) -> str:
     """Return whose marks at surfaces are drawn, and where those of jumps stand, for captions; empty if none is."""
     drawn = [*pictures.orbits, *pictures.others]
-    if not any(orbit.kinds for orbit in drawn):
+    kinds = {kind for orbit in drawn for kind in orbit.kinds}
+    if not kinds:
         return ""
-    whose = "Crossings of all integrators are marked." if len(pictures.orbits) > 1 else ""
-    jumps = any("jump" in orbit.kinds for orbit in drawn)
-    return " ".join(filter(None, [whose, JUMPS_MARKED * jumps]))
+    met = "Jumps" if kinds == {"jump"} else "Crossings"
+    whose = f"{met} of all integrators are marked." if len(pictures.orbits) > 1 else ""
+    return " ".join(filter(None, [whose, JUMPS_MARKED * ("jump" in kinds)]))
 
 
 def which_start(pictures: Pictures) -> str:

@@ -198,16 +198,16 @@ def _bounds(shown: Sequence[Studied]) -> str:
     """Return between which errors a fit is made, and what these limits are; the lower may differ between curves."""
     rows = [row for one in shown for row in one.rows]
     found, below = limits(shown), rounded(min(row.fit_below for row in rows))
-    size = f"{FIT_BELOW:g} times the largest |xₖ| of the reference"
-    of_times = f"{FIT_BELOW:g} times the larger of 1 and the largest |xₖ| of the reference"
+    size = f"{FIT_BELOW:g} times the largest |xᵢ| of the reference"
+    of_times = f"{FIT_BELOW:g} times the larger of 1 and the largest |xᵢ| of the reference midway between crossings"
     upper = of_times if any(map(_of_time, rows)) else f"{size} at these times"
-    lower = f"{FIT_ABOVE:g} times the larger of accumulated round-off and the error of the reference"
+    lower = f"{FIT_ABOVE:g} times accumulated round-off or the error of the reference, whichever is larger"
     if found is None:
         return f"below {below} ({upper})"
     if found[0].fit_above == found[1].fit_above:
         return f"between {rounded(found[0].fit_above)} ({lower}) and {below} ({upper})"
     least, greatest = sorted(row.fit_above for row in found)
-    return f"between {lower} ({rounded(least)} to {rounded(greatest)}) and {below} ({upper})"
+    return f"between {rounded(least)} to {rounded(greatest)} ({lower}; by curve) and {below} ({upper})"
 
 
 def _where(row: Row) -> str:

@@ -86,6 +86,16 @@ def period_of(points: Floats, height: float, turn: float = math.inf, least: floa
     return 0
 
 
+def approached(points: Floats, turn: float = math.inf) -> int:
+    """Return the length of the cycle that points come closer to each time; 0 if they do to none."""
+    for period in range(1, min(LONGEST_PERIOD, len(points) // 4) + 1):
+        away = np.abs(points[period:] - points[:-period])
+        away = np.minimum(away, turn - away)
+        if (away[period:] < away[:-period]).all():
+            return period
+    return 0
+
+
 def sweep_text(found: Diagram, present: float) -> str:
     """Return in words what the diagram shows, and what it shows at the current value of the parameter."""
     inputs = found.inputs
@@ -103,7 +113,7 @@ def sweep_text(found: Diagram, present: float) -> str:
     elif done:
         words += f" {found_all} none of them."
     hope = prospects(declared) if found.counts.any() or not done else ""
-    said = (words, _at_present(found, present), _nothing_left(found), _refusal(found), hope)
+    said = (_at_present(found, present), words, _nothing_left(found), _refusal(found), hope)
     return " ".join(filter(None, said))
 
 
@@ -128,8 +138,10 @@ def _at_present(found: Diagram, present: float) -> str:
     if period:
         both = not inputs.direction and not is_one_way(inputs.problem.declaration, inputs.of)
         return f"{at} the points repeat after {period}{both * ', of crossings in both directions'}."
+    if period := approached(points, turn):
+        return f"{at} the points still approach {'a limit' if period == 1 else f'a cycle of {period}'}."
     least = min(LONGEST_PERIOD, len(points) // 2)
-    return f"{at} the points do not repeat after {least} or fewer: a longer transient, a torus, or chaos."
+    return f"{at} no period up to {least} was found: a longer transient, a torus, or chaos."
 
 
 def _refusal(found: Diagram) -> str:
@@ -158,7 +170,7 @@ def surface_words(inputs: SweepInputs) -> str:
     """Return the surface of the section, as “S at which g decreases”."""
     declared = inputs.problem.declaration
     if not inputs.of:
-        name, g = ("S", "g") if declared.two_sided else ("the surfaces gₖ = 0", "gₖ")
+        name, g = ("S", "g") if declared.two_sided else ("the surfaces gᵢ = 0", "gᵢ")
     else:
         name, g = f"the surface {readable(inputs.of, declared)} = 0", "the function"
     return name + {0: "", 1: f" at which {g} increases", -1: f" at which {g} decreases"}[inputs.direction]

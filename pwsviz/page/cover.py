@@ -75,7 +75,7 @@ GREETING
   const fits = page => page?.dark_theme == dark && page.sidebar_open == !CRAMPED
   const furnished = () => Bokeh.index.query_one(view => view.model.type.endsWith("Select")) != null
   const lift = () => {
-    if (performance.now() - begun > 30000 || cover.matches(".lifted") && furnished()) { return cover.remove() }
+    if (performance.now() - begun > 120000 || cover.matches(".lifted") && furnished()) { return cover.remove() }
     const lifted = () => cover.classList.add("lifted")
     if (painted() && fits(told())) { setTimeout(lifted, dark || CRAMPED ? 400 : 0) }
     requestAnimationFrame(lift)

@@ -17,7 +17,7 @@ from pwsviz.widgets.panes import PLAIN_SX, markup_pane
 __all__ = ["ABOUT", "CITATION", "FIRST", "GREETING", "GREETING_CSS", "Help"]
 
 ABOUT = (
-    "Integrate systems whose law changes on a surface g = 0, and see which integrators keep their conserved "
+    "Integrate systems whose law changes on a surface g = 0, and see which integrators preserve a conserved "
     "quantity ψ: for teaching and research."
 )
 """What this is, and for whom."""
@@ -44,7 +44,7 @@ CITATION = (
 """The paper whose method this is, as markup."""
 
 _USE = (
-    "Click in the portrait to start a trajectory; drag a star to move its start, and press Delete to remove it. "
+    "Click in the portrait to start a trajectory; drag a star to move the start, and press Delete to remove it. "
     "Double-click beside the stars to fit the portrait to the trajectories.",
     "Choose integrators to compare them: dmm2 to dmm8 (Discrete Multiplier Method), prk8 and taylor conserve ψ; "
     "Runge–Kutta methods (rk) in general do not, and gauss4 conserves linear and quadratic ψ only.",
@@ -76,7 +76,7 @@ _KEYS = {
     "Space": "play or pause the animation while it is open; in the lecture mode, also open it",
     "L": "lecture mode, as the button above: full screen and large type, fewer words; Esc leaves it",
     "Ctrl+wheel": "zoom a figure around the pointer; the wheel alone scrolls the page",
-    "Delete": "remove the selected start, with the pointer over the portrait; a button beside its number does so, too",
+    "Delete": "remove the selected start, with the pointer over the portrait; a button beside its number does the same",
     "Esc": "close a window such as this",
     "One finger, two fingers": "scroll the page; move and zoom the figure under them",
 }

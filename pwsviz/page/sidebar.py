@@ -43,8 +43,8 @@ AT_SURFACE = {
     LABELS[
         "slide"
     ]: "Where both fields point towards the surface, follow Filippov’s sliding solution along it, and leave "
-    "where one field ceases to point towards it. Otherwise the run ends there: the paper’s theory is of transversal "
-    "crossings only.",
+    "where one field ceases to point towards it. Otherwise the run ends there: the theory of Hirani et al. covers "
+    "transversal crossings only.",
 }
 """The boxes of the group of crossings, and what they do."""
 

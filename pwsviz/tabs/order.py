@@ -126,7 +126,7 @@ class OrderTab(LongTab):
 
     def heading(self, outcome: Studies) -> str:
         """Return which error converges."""
-        return "Convergence of the state" if self._rows is state_rows else "Convergence of crossing times"
+        return "Convergence of the state" if self._rows is state_rows else "Convergence of the crossing times"
 
     def how(self, outcome: Studies) -> str:
         """Return the integrators, what they do at crossings, and what they are compared with."""

@@ -91,7 +91,7 @@ export function render({ model }) {
     }
   }
   const turn = on => {
-    if (on == model.large) return
+    if (on == model.large || document.getElementById("cover") != null) return  // not while the page is being built
     model.large = on
     document.documentElement.style.fontSize = on ? `${100 * LARGER}%` : ""
     const styles = { "--rest": "REST", "--usual": "none", "--lecture": "block" }

@@ -83,7 +83,7 @@ SET = {
     "“Hénon–Heiles”, Poincaré, Čech": "“Hénon–Heiles”, Poincaré, Čech",
     "|Δψ|, the size of ψ’s terms": "|Δ[i:ψ]|, the size of [i:ψ]’s terms",
     "sin(x)·y, alpha·x, k·(q − 0.3)": "sin([i:x])·[i:y], alpha·[i:x], [i:k]([i:q] − 0.3)",
-    "S: g = 0, t̂, ‖x − x*‖₂, Σ |∂ψ/∂xₖ|": "[i:S]: [i:g] = 0, [i:t̂], ‖[i:x] − [i:x]*‖₂, Σ |∂[i:ψ]/∂[i:x]ₖ|",
+    "S: g = 0, t̂, ‖x − x*‖₂, Σ |∂ψ/∂xᵢ|": "[i:S]: [i:g] = 0, [i:t̂], ‖[i:x] − [i:x]*‖₂, Σ |∂[i:ψ]/∂[i:x]ᵢ|",
 }
 
 TEXTS = """svg => {

@@ -157,8 +157,8 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
     flat = Row("after", "after", np.linspace(8e-12, 1e-11, 6), np.nan, (np.nan, np.nan))
     exact = core.order_study(core.CATALOGUE["harmonic_oscillator"], taus, crossings=(1,))
     later = state_rows(exact)[1]
-    lower = "(50 times the larger of accumulated round-off and the error of the reference)"
-    upper = "(0.3 times the largest |xₖ| of the reference at these times)"
+    lower = "(50 times accumulated round-off or the error of the reference, whichever is larger)"
+    upper = "(0.3 times the largest |xᵢ| of the reference at these times)"
     for row, words in (
         (
             replace(flat, fit_above=3.5e-11, fit_below=0.7),
@@ -189,8 +189,7 @@ def test_where_round_off_grows_the_least_and_the_greatest_limit_of_a_fit_are_tol
         assert view.floor.ticker.ticks == [min(above), max(above)]
         assert view.floor.names.args["names"] == marked
         told = study_text([shown], early=False)
-        assert "fits to errors between 50 times the larger of accumulated round-off and the error of the ref" in told
-        assert f" ({rounded(min(above))} to {rounded(max(above))}) and " in told
+        assert f"fits to errors between {rounded(min(above))} to {rounded(max(above))} (50 times accumulated" in told
 
 
 def test_why_a_curve_has_no_slope_is_said_of_each_reason():

@@ -7,7 +7,15 @@ from bokeh.events import Tap
 from core import Status
 from pwsviz.figures.stability_outcomes import OUTCOMES
 from pwsviz.figures.sweep import SweepView
-from pwsviz.figures.sweep_text import period_of, stretches, surface_words, sweep_how, sweep_numbers, sweep_text
+from pwsviz.figures.sweep_text import (
+    approached,
+    period_of,
+    stretches,
+    surface_words,
+    sweep_how,
+    sweep_numbers,
+    sweep_text,
+)
 from pwsviz.geometry.point_counts import Portion
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import NO_START, Diagram
@@ -78,11 +86,9 @@ def test_a_click_chooses_a_value():
 
 def test_words_and_table_say_how_many_values_end_how_and_where():
     words = sweep_text(MIXED, -2.9)
-    assert words.startswith(
-        "10 points: x on S for 6 values of a₋ from -3 to 3. The 4 points requested were found for 2"
-    )
     repeat = "the points repeat after 2, of crossings in both directions."
-    assert f"At a₋ = -3, nearest to the chosen value, {repeat}" in words
+    assert words.startswith(f"At a₋ = -3, nearest to the chosen value, {repeat}")
+    assert "10 points: x on S for 6 values of a₋ from -3 to 3. The 4 points requested were found for 2" in words
     rows = {row[0]: row[1:] for row in sweep_numbers(MIXED).rows}
     assert rows == {
         OUTCOMES[Status.ESCAPED].words: ("2", "0 to 1"),
@@ -123,6 +129,21 @@ def test_points_that_differ_by_round_off_are_the_same():
     assert 0.0 < found.round_off < 1e-14
 
 
+@pytest.mark.parametrize(
+    ("points", "length"),
+    [
+        (0.9 ** np.arange(60), 1),
+        ((-0.8) ** np.arange(60), 1),
+        (np.tile([0.0, 1.0], 30) + 0.9 ** np.arange(60), 2),
+        (np.sin(np.arange(60.0)), 0),
+        (np.random.default_rng(0).random(60), 0),
+        (1.1 ** np.arange(60), 0),
+    ],
+)
+def test_points_that_come_closer_to_a_cycle_each_time_are_told_from_others(points, length):
+    assert approached(points) == length
+
+
 def test_how_names_all_that_repeats_the_diagram():
     inputs = SweepInputs.of_scene(
         Scene(sweep_of="x - 1", sweep_direction=-1, sweep_continuation="up", methods=["taylor"], study_method="taylor")
@@ -139,8 +160,8 @@ def test_how_names_all_that_repeats_the_diagram():
     assert "at crossings of S, and where sliding begins on it, for" in told
     assert "at most the next 100 (t ≤ 2,000)" in told
     chua = {"system": "chua", "methods": ["taylor"]}
-    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "the surfaces gₖ = 0 at which gₖ increases"
-    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "the surfaces gₖ = 0"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "the surfaces gᵢ = 0 at which gᵢ increases"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "the surfaces gᵢ = 0"
 
 
 def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it():
