@@ -45,9 +45,9 @@ const width_of = (words, size) => {
 }
 
 // The spaces of a text but those of a relation or a product, before a sign of operation, after a comma in brackets, or of a
-// short sum in them, and after an article and words with a number: t = 20, (1, 2), (x² + y²) and “order 2” stay on one line, and
-// a longer sum breaks after a sign.
-const BETWEEN_WORDS = /(?<![=<>≤≥≈×])(?<!\b(?:order|region))(?<!(?<![^ (“])[Aa])(?<!\([^()]{0,60},)(?<!\([^() ]+ [+−]?) (?![=<>≤≥≈]|[+−×] )/
+// short sum in them, in a norm or after an equals sign, and after an article and words with a number: t = 20, (1, 2),
+// (x² + y²), ‖x − x*‖ and “order 2” stay on one line, and a longer sum breaks after a sign.
+const BETWEEN_WORDS = /(?<![=<>≤≥≈×])(?<!\b(?:order|region))(?<!(?<![^ (“])[Aa])(?<!\([^()]{0,60},)(?<!\([^() ]+ [+−]?)(?<!‖[^‖ ]+ [+−]?)(?<!= [^ ]{1,12} [+−]) (?![=<>≤≥≈]|[+−×] )/
 
 // The lines of a text, broken between words (or at other separators) where it would be wider than a number of pixels; what is
 // too wide without such a place is broken at any space.
@@ -82,12 +82,12 @@ const spread = (wished, apart, [start, end]) => {
 // Whether an axis beside a plot names levels in it.
 const names_levels = (axis, side) => axis.ticker?.type == "FixedTicker" && axis.formatter.doFormat != null && side == "right"
 
-// The levels of an axis that are seen, downwards, and the lines of their names; letters where these are too long.
+// The levels of an axis that are seen, downwards, and their names; letters where one of these takes more than a line.
 const levels_of = (axis, { start, end }, width) => {
   const levels = [...axis.ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)
   const names = axis.formatter.doFormat(levels, { loc: 0 }).map(name => name.replaceAll("\n", " ").trim())
   const labels = names.map(name => wrapped(name, NAMED * width, SMALL))
-  const fit = labels.flat().every(line => width_of(line, SMALL) <= NAMED * width)
+  const fit = labels.every(lines => lines.length == 1 && width_of(lines[0], SMALL) <= NAMED * width)
   const letters = names.map((_, k) => [String.fromCharCode(97 + k)])
   return { levels, names, labels: fit ? labels : letters, fit }
 }

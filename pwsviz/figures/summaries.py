@@ -207,7 +207,7 @@ def _bounds(shown: Sequence[Studied]) -> str:
     if found[0].fit_above == found[1].fit_above:
         return f"between {rounded(found[0].fit_above)} ({lower}) and {below} ({upper})"
     least, greatest = sorted(row.fit_above for row in found)
-    return f"between {rounded(least)} to {rounded(greatest)} ({lower}; by curve) and {below} ({upper})"
+    return f"above {rounded(least)} to {rounded(greatest)}, by curve ({lower}), and below {below} ({upper})"
 
 
 def _where(row: Row) -> str:

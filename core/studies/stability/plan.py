@@ -157,9 +157,15 @@ def _default_values(
     margin = _MARGIN * (high - low) or max(abs(low), 1.0) / 2
     wide = np.linspace(low - margin, high + margin, _INSTANTS)
     within = _within_walls(system, x0, t_span[0], coordinate, wide)
-    values = np.linspace(within[0], within[-1], STARTS_OF_MAP)
-    values[np.argmin(np.abs(values - x0[coordinate]))] = x0[coordinate]
-    return values
+    return _evenly_about(x0[coordinate], float(within[0]), float(within[-1]))
+
+
+def _evenly_about(value: float, low: float, high: float) -> Floats:
+    """Return equally spaced values in a range, one of which is the value given, but for rounding."""
+    last = STARTS_OF_MAP - 1
+    before = round(last * (value - low) / (high - low))
+    apart = min((end / count for end, count in ((value - low, before), (high - value, last - before)) if count))
+    return np.linspace(value - before * apart, value + (last - before) * apart, STARTS_OF_MAP)
 
 
 def _within_walls(system: PiecewiseSystem, x0: tuple[float, ...], t0: float, coordinate: int, values: Floats) -> Floats:

@@ -400,6 +400,7 @@ def test_a_coordinate_may_be_named_and_ranges_cover_the_orbit():
     assert (study.coordinate, study.coordinate_name) == (1, "y")
     orbit = core.integrate(HARMONIC, (0, 20)).x[:, 1]
     assert study.map.values[0] < orbit.min() < orbit.max() < study.map.values[-1]
+    assert np.abs(study.map.values - orbit[0]).min() < 1e-15, "the start itself has a row"
 
 
 def test_outcomes_that_are_no_status_have_codes_of_their_own():

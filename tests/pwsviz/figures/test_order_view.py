@@ -189,7 +189,10 @@ def test_where_round_off_grows_the_least_and_the_greatest_limit_of_a_fit_are_tol
         assert view.floor.ticker.ticks == [min(above), max(above)]
         assert view.floor.names.args["names"] == marked
         told = study_text([shown], early=False)
-        assert f"fits to errors between {rounded(min(above))} to {rounded(max(above))} (50 times accumulated" in told
+        assert (
+            f"fits to errors above {rounded(min(above))} to {rounded(max(above))}, by curve (50 times accumulated"
+            in told
+        )
 
 
 def test_why_a_curve_has_no_slope_is_said_of_each_reason():
