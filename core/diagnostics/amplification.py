@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from core.diagnostics.resolution import RUNS_AWAY
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
 from core.integration.trajectory import Status, Trajectory
@@ -40,8 +41,6 @@ _EARLY = 12
 _ROUNDS = 6
 #: Most steps, times d: of longer runs, the beginning is examined.
 _MOST_STEPS = 200_000
-#: How runs end in which the numerical solution grows without bound.
-_RUNS_AWAY = (Status.ESCAPED, Status.UNSTABLE)
 
 
 def amplified(run: Trajectory) -> Iterator[str]:
@@ -52,7 +51,7 @@ def amplified(run: Trajectory) -> Iterator[str]:
     str
         A sentence without the last full stop; none where small errors stay small.
     """
-    if run.t[-1] == run.t[0] or run.status in _RUNS_AWAY:  # at a pole every error grows without bound
+    if run.t[-1] == run.t[0] or run.status in RUNS_AWAY:  # at a pole every error grows without bound
         return
     growth = _growth(run)
     if growth.spoilt is not None:

@@ -17,10 +17,10 @@ from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 
-__all__ = ["resolvable", "unresolved"]
+__all__ = ["RUNS_AWAY", "resolvable", "unresolved"]
 
 #: How runs end in which the numerical solution grows without bound.
-_RUNS_AWAY = (Status.ESCAPED, Status.UNSTABLE)
+RUNS_AWAY = (Status.ESCAPED, Status.UNSTABLE)
 #: Steps before such an end in which steps of one size resolve nothing: at a pole, the time left is the time scale.
 _LAST_STEPS = 64.0
 #: Most steps from entries into a mode that are examined, besides the steps kept by the loop.
@@ -39,7 +39,7 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     if samples is None:
         return ()
     kept = Steps.towards_the_end(run, samples[:, 0], samples[:, 3:], samples[:, 1].astype(np.int64), samples[:, 2])
-    if run.status in _RUNS_AWAY:  # no step is short enough where the solution escapes
+    if run.status in RUNS_AWAY:  # no step is short enough where the solution escapes
         return tuple(too_long_for_g(kept, _hides_before_it_runs_away(kept)))
     first, doubtful = _first_steps(run), _at_rows(run, doubtful_steps(run))
     pushed = _at_rows(run, pushed_steps(run)) if run.record == "steps" else kept
@@ -54,7 +54,7 @@ def resolvable(run: Trajectory, t: Floats) -> NDArray[np.bool_]:
 
     A method that chooses its steps takes shorter ones there.
     """
-    last = 0.0 if METHODS[run.method].adaptive or run.status not in _RUNS_AWAY else _LAST_STEPS * run.tau
+    last = 0.0 if METHODS[run.method].adaptive or run.status not in RUNS_AWAY else _LAST_STEPS * run.tau
     return np.asarray(np.abs(run.t[-1] - t) >= last)
 
 
