@@ -19,8 +19,9 @@ from core.methods import METHODS
 
 __all__ = ["RUNS_AWAY", "resolvable", "unresolved"]
 
-#: How runs end in which the numerical solution grows without bound.
 RUNS_AWAY = (Status.ESCAPED, Status.UNSTABLE)
+"""How runs end in which the numerical solution grows without bound."""
+
 #: Steps before such an end in which steps of one size resolve nothing: at a pole, the time left is the time scale.
 _LAST_STEPS = 64.0
 #: Most steps from entries into a mode that are examined, besides the steps kept by the loop.
