@@ -70,6 +70,25 @@ def test_errors_that_decay_first_and_then_grow_are_told(draws, method):
 
 
 @cache
+def _sliding() -> core.PiecewiseSystem:
+    along = "k*(x - cos(t)) - sin(t)"
+    return core.PiecewiseSystem(
+        "sliding", ("x", "y"), (along, "1"), (f"1*({along})", "-1"), "y", parameters={"k": 1.0}, x0=(1.0, -0.1)
+    )
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("method", deep_but(METHODS[:2], METHODS))
+def test_errors_that_grow_while_a_run_slides_or_goes_back_in_time_are_told(draws, method, way):
+    for rng in draws(12):
+        system, end = _sliding().with_parameters(k=way * float(10 ** rng.uniform(-0.3, 1.7))), float(rng.uniform(1, 12))
+        start, options = (1.0, -0.1 if way > 0 else 50.0), _settings(method, 10 ** rng.uniform(-3.0, -1.7))
+        run = core.integrate(system, (0.0, way * end), start, method=method, sliding="continue", **options)
+        off = abs(float(run.x[-1, 0]) - np.cos(run.t[-1]))
+        assert off < 1.0 or not silent(run), f"off by {off:.1e}: {system.values}, {end}, {options}"
+
+
+@cache
 def _logistic() -> core.PiecewiseSystem:
     """The logistic map, applied whenever the other variable has come to 1."""
     way = ("1", "0")
