@@ -91,7 +91,8 @@ export function render({ model }) {
     }
   }
   const turn = on => {
-    if (on == model.large || document.getElementById("cover") != null) return  // not while the page is being built
+    if (on == model.large) return
+    if (document.getElementById("cover") != null) return setTimeout(turn, LOOK_AGAIN, on)  // when the page is built
     model.large = on
     document.documentElement.style.fontSize = on ? `${100 * LARGER}%` : ""
     const styles = { "--rest": "REST", "--usual": "none", "--lecture": "block" }
