@@ -89,6 +89,26 @@ def test_errors_that_grow_while_a_run_slides_or_goes_back_in_time_are_told(draws
 
 
 @cache
+def _in_step() -> core.PiecewiseSystem:
+    """Two variables that begin alike, and whose difference grows: only rounding breaks the symmetry."""
+    u, v = "(x - sin(t))", "(y - sin(t))"
+    law = (f"p*{u} + q*{v} + cos(t)", f"q*{u} + p*{v} + cos(t)", "1")
+    return core.PiecewiseSystem(
+        "in step", ("x", "y", "z"), law, law, "z - 1.5", parameters={"p": 1.0, "q": 1.0}, x0=(0.0, 0.0, 0.0)
+    )
+
+
+@pytest.mark.parametrize("method", deep_but(("gauss4", "taylor"), METHODS))
+def test_a_symmetry_that_rounding_breaks_is_told(draws, method):
+    for rng in draws(40):
+        p, q, end = float(rng.uniform(-8, 4)), float(rng.uniform(-8, 4)), float(rng.uniform(1, 15))
+        options = _settings(method, 10 ** rng.uniform(-3.0, -1.8))
+        run = core.integrate(_in_step().with_parameters(p=p, q=q), (0.0, end), method=method, **options)
+        off = np.abs(run.x[-1, :2] - np.sin(run.t[-1])).max()
+        assert off < 1.0 or not silent(run), f"off by {off:.1e}: {p}, {q}, {end}, {options}"
+
+
+@cache
 def _logistic() -> core.PiecewiseSystem:
     """The logistic map, applied whenever the other variable has come to 1."""
     way = ("1", "0")
