@@ -149,8 +149,7 @@ def _propagated(other: Runner, t: float, x: Floats, error: Floats, size: Floats)
         return error, 1.0
     grown = (other.x - x) / times
     after = float((np.abs(grown) / size).max())
-    fresh = _rounding(x)
-    return np.where(np.abs(grown) < np.abs(fresh), fresh, grown), after / before
+    return grown + _rounding(x), after / before
 
 
 def _rounding(x: Floats) -> Floats:
