@@ -89,7 +89,7 @@ SKIP = """
 
 UNSTYLED = """
 <script>
-// Style sheets might set any property of a figure, so that Bokeh asks the browser for each, at each painting. None does.
+// A style sheet might set any property of a figure, so that Bokeh asks the browser for each, again and again. None does.
 Bokeh.loader["core/visuals/visual"].VisualProperties.prototype._get_css_value = () => ""
 </script>
 """
