@@ -314,6 +314,10 @@ class Explorer(pn.viewable.Viewer):
         complaints = adopt(self.scene, search.removeprefix("?")) if search not in ("", "?") else []
         self.notice.object = "".join(as_text(words, "error") for words in complaints)
 
+    def _give_lecture(self, begun: bool) -> None:
+        self.headline.give_lecture(begun)
+        self.lecture.told = begun
+
     def _write_address(self) -> None:
         """Update the address bar; a scene too large for a link empties it."""
         self._name_page()
@@ -371,7 +375,7 @@ class Explorer(pn.viewable.Viewer):
         }
         self.browser.on_msg(lambda event: keys[event.data]())
         self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large && !{CRAMPED}")
-        self.lecture.param.watch(lambda event: self.headline.give_lecture(event.new), "large")
+        self.lecture.param.watch(lambda event: self._give_lecture(event.new), "large")
         page.main.extend([self.browser, self.lecture, self.announcer])
         pn.state.onload(self._furnish)
         return page

@@ -89,13 +89,14 @@ SKIP = """
 
 UNSTYLED = """
 <script>
-// A style sheet might set any property of a figure, so that Bokeh asks the browser for each, again and again. None does.
+// A style sheet might set any property of a figure, so Bokeh asks the browser for each, again and again. None does.
 Bokeh.loader["core/visuals/visual"].VisualProperties.prototype._get_css_value = () => ""
 </script>
 """
 """JavaScript that saves 8 % of what the browser computes until the page is built, some of each painting, too."""
 
-TEMPLATE = """{% extends "base.html" %}
+TEMPLATE = (
+    """{% extends "base.html" %}
 {% block custom_css %}<style>FACE</style>{% endblock %}
 {% block postamble %}{{ super() }}
 <link rel="modulepreload" href="{{ components }}">
@@ -110,7 +111,10 @@ import("{{ components }}")
 {% block js_resources %}{% endblock %}
 {% block loader %}SKIP{{ cover.markup() }}{{ bokeh_js }}UNSTYLED
 <script>importShim.addImportMap = () => {}</script>
-{{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS).replace("SKIP", SKIP).replace("UNSTYLED", UNSTYLED)
+{{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS)
+    .replace("SKIP", SKIP)
+    .replace("UNSTYLED", UNSTYLED)
+)
 """The browser imports the code of the components while it waits for the page: loading it only then takes half a second
 more. It is one module, which imports nothing: the browser needs no es-module-shims, which would parse it first, and no
 map of imports, which Panel adds. Scripts come after the cover, which is painted while they load. While the page is

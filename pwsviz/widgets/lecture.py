@@ -31,6 +31,7 @@ class Lecture(pn.custom.JSComponent):
 
     large = param.Boolean(default=False, doc="Whether it is on; set in the browser.")
     plays = param.Boolean(default=False, doc="Whether the player is open, which takes the space bar; which opens it.")
+    told = param.Boolean(default=False, doc="Whether the header tells the laws, so that those below the portrait go.")
     turned = param.Integer(default=0, doc="How often it was turned on or off other than by the key.")
 
     _esm = (
@@ -96,6 +97,7 @@ export function render({ model }) {
     model.large = on
     document.documentElement.style.fontSize = on ? `${100 * LARGER}%` : ""
     const styles = { "--rest": "REST", "--usual": "none", "--lecture": "block" }
+    if (!on) { document.documentElement.style.setProperty("--law", "") }
     for (const [name, value] of Object.entries(styles)) {
       document.documentElement.style.setProperty(name, on ? value : "")
     }
@@ -124,6 +126,7 @@ export function render({ model }) {
   }
   const leave = () => { if (!document.fullscreenElement) turn(false) }
   model.on("turned", () => turn(!model.large))
+  model.on("told", () => document.documentElement.style.setProperty("--law", model.told ? "none" : ""))
   document.addEventListener("keydown", press)
   document.addEventListener("fullscreenchange", leave)
   model.on("remove", () => {

@@ -33,7 +33,7 @@ p { margin: 0 0 2px 0; }
 .about { color: var(--mui-palette-text-secondary); margin: 2px 0 6px 0; display: var(--usual, block); }
 .law { margin: 0 0 0 1.5em; text-indent: -1.5em; }
 .law sup { line-height: 0; }
-@media (width >= 1150px) { .law { display: var(--usual, block); } }
+@media (width >= 1150px) { .law { display: var(--law, block); } }
 .error { color: var(--mui-palette-error-main); }
 .stopped { border-left: 3px solid var(--mui-palette-warning-main); padding-left: 8px; margin: 4px 0; }
 .numbers { overflow-x: auto; margin: 2px 0 8px 0; }

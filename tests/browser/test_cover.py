@@ -47,7 +47,7 @@ def covered(context, address):
     raise AssertionError("no cover")
 
 
-@pytest.mark.parametrize("size", [(1400, 900), (420, 800)])
+@pytest.mark.parametrize("size", [(1400, 900), pytest.param((420, 800), marks=pytest.mark.deep)])
 def test_the_portrait_stands_on_the_page_before_a_script_has_run(chromium, address, size):
     context = chromium.new_context(viewport=dict(zip(("width", "height"), size, strict=True)))
     try:
@@ -77,6 +77,7 @@ def test_a_page_of_another_scene_does_not_show_the_portrait_of_a_fresh_one(chrom
         context.close()
 
 
+@pytest.mark.deep
 def test_the_code_of_the_components_is_fetched_once_and_by_the_browser_itself(visit):
     fetched = """() => performance.getEntriesByType("resource")
         .filter(one => one.name.includes("panel-material-ui.bundle.js")).map(one => one.initiatorType)"""

@@ -1,6 +1,10 @@
 """Of marks and shades that a screen cannot tell apart some are left out, and the legend says so."""
 
+import pytest
+
 from tests.browser.looking import await_painted, becomes, moments
+
+pytestmark = pytest.mark.browser
 
 LEGENDS = """() => [...Bokeh.index.query(view => view.model.type == "Legend")]
     .map(view => view.entries.map(entry => entry.label))"""
@@ -38,6 +42,7 @@ def test_shades_too_narrow_to_tell_apart_are_left_out_until_one_zooms_in(visit):
     await_labels(page, lambda found: NARROW in found and "g > 0" not in found)
 
 
+@pytest.mark.deep
 def test_of_a_periodic_run_all_shades_are_left_out_or_none(visit):
     page = visit(query="v=2&t_end=60")
     await_painted(page, "Absolute change of the conserved quantity")
@@ -51,12 +56,14 @@ def test_of_a_periodic_run_all_shades_are_left_out_or_none(visit):
     assert seen == {True, False}
 
 
+@pytest.mark.deep
 def test_the_legend_says_of_marks_that_some_are_left_out(visit):
     page = visit(query="v=2&system=bouncing_ball")
     await_painted(page, "Phase portrait")
     await_labels(page, lambda found: f"jump{SOME}" in found)
 
 
+@pytest.mark.deep
 def test_the_legend_says_so_where_successive_crossings_are_too_close_in_time_to_be_marked(visit):
     page = visit(query="v=2&t_end=60")
     await_painted(page, "Absolute change of the conserved quantity")
@@ -65,6 +72,7 @@ def test_the_legend_says_so_where_successive_crossings_are_too_close_in_time_to_
     await_labels(page, lambda found: "crossing" in found and f"crossing{SOME}" not in found)
 
 
+@pytest.mark.deep
 def test_marks_of_two_integrators_at_one_place_count_as_one(visit):
     page = visit()
     await_painted(page, "Phase portrait")

@@ -100,6 +100,7 @@ PORTRAIT_OF = """() => Bokeh.index.query_one(view => view.model.match_aspect)
 """The system whose portrait is painted."""
 
 
+@pytest.mark.deep
 def test_the_picture_of_the_system_before_fades_at_the_moment_of_the_choice(visit):
     page = visit()
     await_painted(page, "Phase portrait")

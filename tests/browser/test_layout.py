@@ -350,6 +350,7 @@ def test_in_a_lecture_the_conclusion_of_a_figure_below_controls_is_in_sight(visi
 STARTS = ";".join(f"-1.3,{0.15 * k - 0.9:.2f}" for k in range(12))
 
 
+@pytest.mark.deep
 def test_the_numbers_of_many_starts_stand_in_rows_within_the_controls(visit):
     page = visit(query=f"v=2&starts={STARTS}")
     controls = page.locator(".MuiDrawer-paper.sidebar")

@@ -34,6 +34,7 @@ def test_first_paint_shows_portrait_and_conserved_quantity(visit):
     assert page.get_by_text("dmm2:").count() + page.get_by_text("dmm2").count() >= 2
 
 
+@pytest.mark.deep
 def test_later_visitors_get_their_page_before_their_session_is_made_and_their_own_scene(visit, address):
     pages = [urllib.request.urlopen(f"{address}?{query}").read() for query in ("", "v=1&tau=0.02")]  # noqa: S310
     roots = [re.findall(rb'data-root-id="(p\d+)"', page) for page in pages]
@@ -101,6 +102,7 @@ def test_bad_input_is_told_and_the_picture_stays(visit):
     assert page.get_by_text(re.compile("is not a number")).count() == 0
 
 
+@pytest.mark.deep
 def test_a_narrow_screen_shows_the_picture_first_and_the_rest_below(visit):
     page = visit(420, 800)
     drawing = await_painted(page, "Phase portrait")
@@ -149,6 +151,7 @@ FRAMES = """() => [...Bokeh.index.query(view => view.model.type == "Figure")]
     .map(({ model }) => model.outline_line_alpha)"""
 
 
+@pytest.mark.deep
 def test_figures_have_the_same_frame_on_light_and_on_dark_ground(visit):
     page = visit(color_scheme="light")
     await_painted(page, "Phase portrait")

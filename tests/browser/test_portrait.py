@@ -255,12 +255,14 @@ def test_those_who_want_no_motion_get_single_pictures(visit):
     assert 2 <= len(seen) <= 2 + passed / 0.5, "a picture each half second"
 
 
+@pytest.mark.deep
 def test_the_first_window_of_a_bouncing_ball_is_mostly_where_the_ball_may_be(visit):
     page = visit(query="v=2&system=bouncing_ball")
     left, right, *_ = await_that(page, PORTRAIT, lambda seen: "jump" in seen["words"])["range"]
     assert 0 < -left < 0.25 * (right - left)  # the wall is at y = 0
 
 
+@pytest.mark.deep
 def test_a_triangle_is_painted_as_large_as_a_square(visit):
     page = visit(query="v=2&system=stick_slip&methods=rk4")
     look = f"""() => {{

@@ -24,6 +24,7 @@ CLOUD = f"""() => {{
 }}"""
 
 
+@pytest.mark.deep
 def test_islands_have_the_colours_of_their_starts_and_a_click_adds_one_of_the_same_energy(visit):
     page = visit(query=QUERY)
     seen = await_that(page, CLOUD, lambda seen: "8,000 points of 2 starts" in seen["words"])

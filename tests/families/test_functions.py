@@ -102,6 +102,7 @@ def test_a_surface_with_exponentials_is_written(g):
     assert not unknown_names(evaluate_switching_text(laws, laws.g, laws.regions))
 
 
+@pytest.mark.deep
 def test_whatever_is_declared_is_written_for_every_method_in_names_that_are_known(draws):
     for k, rng in enumerate(draws(len(core.METHODS))):
         given = drawn_declaration(rng, depth=int(rng.integers(1, 4)))

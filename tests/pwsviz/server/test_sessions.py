@@ -14,6 +14,7 @@ from unittest.mock import patch
 
 import numpy as np
 import panel as pn
+import pytest
 from panel.io.state import set_curdoc
 from tornado.httpclient import AsyncHTTPClient, HTTPRequest
 from tornado.iostream import IOStream
@@ -158,6 +159,7 @@ def test_no_part_of_a_message_waits_for_an_acknowledgement_of_the_one_before():
         assert beside.submit(lambda: asyncio.run(_open_a_page())).result() == [False]
 
 
+@pytest.mark.deep
 def test_every_change_is_sent_in_order_whenever_the_connection_is_in_use_and_messages_are_taken(request):
     send_every_message()
     rng = np.random.default_rng(int(request.config.getoption("seed") or "0", 16))
