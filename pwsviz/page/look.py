@@ -49,7 +49,8 @@ footer a { color: inherit; }
 TAGLINE_CSS = """
 p, .lecture { font-size: 0.8125rem; line-height: 1.3; margin: 0 0 0 12px; }
 p { max-width: 64ch; color: var(--mui-palette-text-secondary); display: var(--usual, block); }
-.lecture { color: var(--mui-palette-text-primary); display: var(--lecture, none); }
+.lecture { color: var(--mui-palette-text-primary); display: var(--lecture, none); align-items: baseline; }
+.lecture b { flex: none; max-width: 30%; }
 .lecture .law { display: inline-block; font-size: min(1em, 1.1vw); color: inherit; max-width: none;
     margin: 0 0 0 1.2em; text-indent: 0; }
 .lecture .short { font-size: 1em; }
@@ -57,7 +58,7 @@ p { max-width: 64ch; color: var(--mui-palette-text-secondary); display: var(--us
 @media (width < 1150px) { p, .lecture { display: none; } }
 """
 """What the page is, in its header; where that has no room, in the footer, or above a narrow portrait. A lecture sets
-`--usual` and `--lecture`."""
+`--usual` and `--lecture`; `--law` once the header tells the laws."""
 
 NOT_IN_LECTURES = {"&&": {"display": "var(--usual, inline-flex)"}}
 """Of a button that a lecture does without."""

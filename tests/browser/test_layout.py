@@ -379,6 +379,35 @@ def test_a_lecture_names_the_system_in_place_of_what_the_page_is(visit):
     assert becomes(page, lambda: (name.is_visible(), purpose.is_visible()) == (False, True))
 
 
+LAWS = """() => {
+    const seen = node => [...node.querySelectorAll("*")].flatMap(part => [
+        ...(part.matches(".law") && part.checkVisibility() ? [part] : []),
+        ...(part.shadowRoot ? seen(part.shadowRoot) : [])])
+    return seen(document).map(part => part.getBoundingClientRect()).map(box => [box.left, box.top])
+}"""
+"""Where the laws stand that are seen."""
+
+
+@pytest.mark.deep
+def test_the_laws_are_in_sight_all_the_time_and_below_one_another_in_the_header_of_a_lecture(visit):
+    page = visit(1920, 1080, query="v=2&system=kepler")
+    await_painted(page, "Phase portrait")
+    assert becomes(page, lambda: len(page.evaluate(LAWS)) == 3)
+    page.evaluate(f"""() => {{
+        window.fewest = Infinity
+        const look = () => {{ window.fewest = Math.min(window.fewest, ({LAWS})().length); requestAnimationFrame(look) }}
+        look()
+    }}""")
+    page.keyboard.press("l")
+    assert becomes(page, lambda: len(page.evaluate(LAWS)) == 5), "two laws, g, parameters and τ"
+    (left, top), (other_left, other_top), *_ = page.evaluate(LAWS)
+    assert left == other_left
+    assert top < other_top < 100
+    page.keyboard.press("Escape")
+    assert becomes(page, lambda: [place[1] > 500 for place in page.evaluate(LAWS)] == [True] * 3)
+    assert page.evaluate("window.fewest") >= 3
+
+
 @pytest.mark.deep
 def test_on_a_phone_on_its_side_portrait_and_view_stand_side_by_side(visit):
     page = visit(844, 390)
