@@ -68,6 +68,7 @@ const stop = event => {
   event.preventDefault()
 }
 const drop = () => {
+  delete document.documentElement.dataset.dragging
   if (held.moved) {
     tell("drop")
     dropped = { ...held, count: hand.data.count[0] }
@@ -102,6 +103,7 @@ ground.addEventListener("pointermove", event => {
   const [sx, sy] = place(event), frame = view.frame.bbox
   if (!held.moved && Math.hypot(sx - held.sx, sy - held.sy) < STILL) { return }
   held.moved = true
+  document.documentElement.dataset.dragging = ""
   ground.style.cursor = "grabbing"
   held.x = view.frame.x_scale.invert(Math.min(Math.max(sx + held.dx, frame.left), frame.right))
   held.y = view.frame.y_scale.invert(Math.min(Math.max(sy + held.dy, frame.top), frame.bottom))

@@ -62,8 +62,10 @@ NEAR_ROUND_OFF = 100.0
 TIP_CSS = """
 .bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
               border-color: var(--mui-palette-divider, #808080); opacity: 1; }
+[data-dragging] .bk-Tooltip { visibility: hidden; }
 """
-"""Style sheet of the whole page, for what tells of the place under the pointer: Bokeh adds that to the page itself."""
+"""Style sheet of the whole page, for what tells of the place under the pointer: Bokeh adds that to the page itself.
+While a star is dragged, it would tell of where the pointer was before."""
 
 TIP_CELLS = "display: grid; grid-template-columns: max-content 1fr; gap: 0 8px"
 """Of its labels and texts."""

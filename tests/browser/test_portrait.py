@@ -173,6 +173,24 @@ def test_a_star_follows_the_pointer_the_view_stays_and_the_trajectory_follows(pa
     await_that(page, PORTRAIT, lambda seen: f"starts at ({x}" in seen["words"] and y in seen["words"])
 
 
+TIPS = """() => [...document.querySelectorAll(".bk-Tooltip")]
+    .filter(tip => tip.checkVisibility({visibilityProperty: true})).map(tip => tip.getBoundingClientRect().width)"""
+"""The widths of all tips that are seen."""
+
+
+@pytest.mark.deep
+def test_what_tells_of_the_place_under_the_pointer_is_not_seen_while_a_star_is_dragged(page):
+    x, y = page.evaluate(PORTRAIT)["stars"][0]
+    page.mouse.move(x, y)  # a level set passes through it
+    page.wait_for_function(f"() => ({TIPS})().some(width => width > 0)")
+    page.mouse.down()
+    page.mouse.move(x + 30, y - 30)
+    assert page.evaluate(TIPS) == []
+    page.mouse.up()
+    page.mouse.move(x, y)
+    page.wait_for_function(f"() => ({TIPS})().some(width => width > 0)")
+
+
 @pytest.mark.deep
 def test_a_finger_drags_a_star_and_a_double_tap_removes_it(page):
     before = place_second(page)
