@@ -42,12 +42,14 @@ def slow_crossings(run: Trajectory, crossings: Crossings) -> Iterator[str]:
         passed = np.maximum(np.abs(arrival.t - run.t[0]), run.tau)
         size = np.maximum(np.abs(run.x).max(axis=0), np.abs(arrival.x))
         lost = np.nan_to_num(np.column_stack([moved / size, lasts / passed])).max(axis=1)
+    lost[~arrival.known] = 0.0  # g = 0 all along a slide, which ends for another reason
     if lost.max(initial=0.0) > _HALF:
         worst = int(np.argmax(lost))
+        time = f"about {lasts[worst]:.1g}" if np.isfinite(lasts[worst]) else "a time that cannot be told"
         yield (
-            f"The surface is met slowly at t = {arrival.t[worst]:.6g}: the values of g are rounding errors for about "
-            f"{lasts[worst]:.1g} there, by which the time of crossing is uncertain. No step size helps: change the "
-            "initial condition or a parameter, or write g so that its terms do not cancel"
+            f"The surface is met slowly at t = {arrival.t[worst]:.6g}: the values of g are rounding errors for {time} "
+            "there, by which the time of crossing is uncertain. No step size helps: change the initial condition or a "
+            "parameter, or write g so that its terms do not cancel"
         )
 
 
