@@ -24,6 +24,12 @@ __all__ = ["amplified"]
 
 #: Error, relative to the range of a variable so far, that is told.
 _SPOILT = 0.1
+#: Distance of a run in finer steps, relative to the same, that confirms it: its own error may be nearly as large.
+_PARTED = 0.02
+#: Range of a variable, relative to its size, that may be rounding.
+_RESTS = 2.0**-44
+#: Factor from which on errors are said to grow: else they add up.
+_SOME = 10.0
 #: Distance of the other run, relative to the same: errors are small beside it, and it grows in proportion.
 _BESIDE = 1e-7
 #: Factor by which errors are amplified where those of steps are added, too: phases that drift do not make it.
@@ -56,17 +62,21 @@ def amplified(run: Trajectory) -> Iterator[str]:
     growth = _growth(run)
     if growth.spoilt is not None:
         yield (
-            f"Small errors grow, by a factor of {growth.factor:.0e} up to t = {growth.spoilt:.3g}: the rounding of a "
-            "state may by then have changed the solution by a tenth of its range, and what follows"
+            f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}: the rounding of a state may by then "
+            "have changed the solution by a tenth of its range, and decides what follows"
         )
     elif growth.factor > _LARGE:
         growth = _growth(run, of_steps=True)
-        if growth.spoilt is not None:
+        if growth.spoilt is not None and _parts(run):
             yield (
-                f"Small errors grow, by a factor of {growth.factor:.0e} up to t = {growth.spoilt:.3g}: those of the "
-                "steps have by then changed the solution by a tenth of its range, and what follows; take a smaller "
+                f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}: those of the steps have by then "
+                "changed the solution by a tenth of its range, and decide what follows; take a smaller "
                 f"{'tolerance' if METHODS[run.method].adaptive else 'tau'}"
             )
+
+
+def _told(factor: float) -> str:
+    return f"grow, by a factor of {factor:.0e}," if factor > _SOME else "add up"
 
 
 @dataclass(frozen=True)
@@ -81,8 +91,7 @@ class _Growth:
 
 def _growth(run: Trajectory, of_steps: bool = False) -> _Growth:
     """The growth of the errors of rounding and, if asked for, of those of the steps."""
-    steps = max(run.steps, 1)
-    length = min(1.0, _MOST_STEPS / (steps * run.system.dimension)) * (run.t[-1] - run.t[0])
+    length = _examined(run)
     found = _Growth(1.0, None)
     for _ in range(_ROUNDS):
         times = run.t[0] + length * (np.arange(1, _INSTANTS + 1) - _UNEVEN) / (_INSTANTS - _UNEVEN)
@@ -100,10 +109,7 @@ def _growth(run: Trajectory, of_steps: bool = False) -> _Growth:
 
 def _grown(run: Trajectory, times: Floats, of_steps: bool) -> _Growth:
     """The growth of errors over some times."""
-    crossings = 2 * run.crossing_count + _INSTANTS
-    steps = 2 * run.steps + 2 * crossings + _INSTANTS
-    settings = Settings(run.tau, run.tolerance, max_crossings=crossings, max_steps=steps, slides=run.slides)
-    base = Runner(run.system, METHODS[run.method], float(run.t[0]), tuple(run.x[0].tolist()), settings)
+    base = _fresh(run)
     low = high = base.x
     error, factor, largest = _rounding(low), 1.0, 1.0
     for t in times.tolist():
@@ -112,7 +118,7 @@ def _grown(run: Trajectory, times: Floats, of_steps: bool) -> _Growth:
             break
         x = base.x
         low, high = np.minimum(low, x), np.maximum(high, x)
-        size = np.where(high > low, high - low, np.inf)
+        size = _range(low, high)
         error, by = _propagated(others[0], t, x, error, size)
         factor = max(1.0, factor * by)
         largest = max(largest, factor)
@@ -128,6 +134,43 @@ def _grown(run: Trajectory, times: Floats, of_steps: bool) -> _Growth:
         if (np.abs(error) >= _SPOILT * size).any():
             return _Growth(largest, t)
     return _Growth(largest, None)
+
+
+def _parts(run: Trajectory) -> bool:
+    """Whether a run in finer steps parts from this one: large errors do not grow in proportion."""
+    base, other = _fresh(run), _fresh(run)
+    _refine(other)
+    low = high = base.x
+    length = _examined(run)
+    last = run.t[-1] if length == run.t[-1] - run.t[0] else run.t[0] + length
+    for t in np.linspace(run.t[0], last, _INSTANTS + 1)[1:].tolist():
+        if any(one.advance(t, keep_hits=False) is not Status.COMPLETED for one in (base, other)):
+            return True  # one of them ends
+        low, high = np.minimum(low, base.x), np.maximum(high, base.x)
+        ends = (base.x, run.x[-1]) if t == run.t[-1] else (base.x,)
+        if any((np.abs(other.x - x) >= _PARTED * _range(low, high)).any() for x in ends):
+            return True
+    return False
+
+
+def _examined(run: Trajectory) -> float:
+    """The length of time, signed, that is examined."""
+    part = min(1.0, _MOST_STEPS / (max(run.steps, 1) * run.system.dimension))
+    return float(part * (run.t[-1] - run.t[0]))
+
+
+def _fresh(run: Trajectory) -> Runner:
+    """The run anew, with room for as many crossings and steps as a finer one may need."""
+    crossings = 2 * run.crossing_count + _INSTANTS
+    steps = 2 * run.steps + 2 * crossings + _INSTANTS
+    settings = Settings(run.tau, run.tolerance, max_crossings=crossings, max_steps=steps, slides=run.slides)
+    return Runner(run.system, METHODS[run.method], float(run.t[0]), tuple(run.x[0].tolist()), settings)
+
+
+def _range(low: Floats, high: Floats) -> Floats:
+    """Ranges of the coordinates; inf for one that rests, but for rounding: no error is large beside it."""
+    moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
+    return np.asarray(np.where(moves, high - low, np.inf))
 
 
 def _refine(other: Runner) -> None:

@@ -86,8 +86,10 @@ def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], en
     changing = [u for u in found if not (_is_nonnegative(u) or _is_nonnegative(-u))]
     singular, removable = [], []
     for u in changing:
-        if not is_singular(u, field, ends):
-            removable.append(u)
+        there = list(_at_zeros(u, field, ends))
+        if not _is_singular(there):
+            if not any(unbounded for unbounded, _ in there):  # else the mode has ended before
+                removable.append(u)
             continue
         origins = (
             [v for v in _factors(u.args[0], signed=False) if v.free_symbols & moving] if u.func == sympy.sin else []
@@ -169,9 +171,18 @@ class _Line(NamedTuple):
 
 def is_singular(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
     """Whether the field is not bounded at one of several zeros of u; or none is found."""
+    return _is_singular(list(_at_zeros(u, field, ends)))
+
+
+def _is_singular(there: Sequence[tuple[bool, bool]]) -> bool:
+    return not there or any(unbounded and not over for unbounded, over in there)
+
+
+def _at_zeros(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> Iterator[tuple[bool, bool]]:
+    """Whether the field is not bounded at each of several zeros of u, and whether the mode ends there."""
     tape = Tape((*field, *ends))
-    found = [_is_unbounded(line, tape, field, ends) for line in islice(_lines_through_zeros(u, tape), _ZEROS)]
-    return not found or any(found)
+    for line in islice(_lines_through_zeros(u, tape), _ZEROS):
+        yield _is_unbounded(line, tape, field), _is_over(line, tape, ends)
 
 
 def _keeps_digits(u: Expr, field: Sequence[Expr], written: Sequence[Expr]) -> bool:
@@ -193,16 +204,24 @@ def _keeps_digits(u: Expr, field: Sequence[Expr], written: Sequence[Expr]) -> bo
     return True
 
 
-def _is_unbounded(line: _Line, tape: Tape, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
-    """Whether the field is not bounded at the point of a line, and no mode ends there; true where it has no value."""
+def _is_unbounded(line: _Line, tape: Tape, field: Sequence[Expr]) -> bool:
+    """Whether the field is not bounded at the point of a line; true where it has no value."""
     many = digits(*_ARITHMETIC)
     try:
         near, nearer = (tape.run(many, line.at(many.context.mpf(s))) for s in (_NEAR, _NEARER))
     except ArithmeticError:
         return True
-    if any(abs(nearer[tape.place[u]]) < _NEARER / _NEAR for u in ends):
-        return False
     return any(abs(nearer[tape.place[f]]) > _GROWN * abs(near[tape.place[f]]) for f in field)
+
+
+def _is_over(line: _Line, tape: Tape, ends: Sequence[Expr]) -> bool:
+    """Whether a mode ends at the point of a line."""
+    many = digits(*_ARITHMETIC)
+    try:
+        nearer = tape.run(many, line.at(many.context.mpf(_NEARER)))
+    except ArithmeticError:
+        return False
+    return any(abs(nearer[tape.place[u]]) < _NEARER / _NEAR for u in ends)
 
 
 def _lines_through_zeros(u: Expr, others: Tape) -> Iterator[_Line]:

@@ -70,6 +70,7 @@ ENDS = {
     Status.SINGULAR: EndLook("singular field", "circle_x", GREY),
     Status.NO_CONVERGENCE: EndLook("no solution", "circle_cross", GREY),
     Status.STEP_LIMIT: EndLook("step limit", "circle_cross", GREY),
+    Status.CROSSING_LIMIT: EndLook("crossing limit", "circle_cross", GREY),
     Status.CONTRADICTION: EndLook("defect", "circle_cross", GREY),
 }
 """Mark of an end by the status of the run; whatever stops a run has one.

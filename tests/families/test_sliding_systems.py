@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 import core
 from core import Status
 from tests.core.sliding_solutions import Exact
+from tests.families.oracles import silent
 from tests.levels import deep_but
 
 #: Method -> its settings, and the error allowed at the end time and in the times of events, relative to the state.
@@ -205,3 +206,36 @@ def test_what_decays_along_a_surface_comes_to_rest(method, drawn_decay, draws):
         assert "too long" not in run.warning, (system.parameters, run.message)
         slid = run.mode == 2
         assert np.abs(run.x[-1] - exact(run.t[slid][1:], run.x[slid][1])[-1]).max() < 1e-2, system.parameters
+
+
+def _resting(rng):
+    """Fields that push to a curve from both sides, and along it to a rest; and the place of that."""
+    a, b = rng.uniform(0.5, 1.5, 2)
+    bend, p, q = rng.uniform(-1.0, 1.0), *rng.uniform(-0.4, 0.4, 2)
+    values = {"a": a, "b": b, "c": bend, "p": p, "q": q}
+    rest = (b * p + a * q) / (a + b)
+    system = core.PiecewiseSystem(
+        "resting", ("x", "y"), ("a", "p - y"), ("-b", "q - y"), "x + c*y**2", parameters=values, x0=(-0.5, 0.3)
+    )
+    return system, (-bend * rest**2, rest)
+
+
+@pytest.mark.parametrize("method", deep_but(("rk4", "taylor"), ("rk2", "rk4", "rk8", "gauss4", "taylor")))
+def test_a_slide_along_a_curve_comes_to_rest_and_stays_there(draws, method):
+    for rng in draws(12):
+        system, rest = _resting(rng)
+        step = {} if method == "taylor" else {"tau": float(rng.uniform(0.005, 0.03))}
+        run = core.integrate(system, (0.0, 60.0), method=method, sliding="continue", **step)
+        about = f"{system.values}, {step}: {run.message}"
+        assert run.status is Status.COMPLETED, about
+        assert silent(run), about
+        assert run.x[-1] == pytest.approx(rest, abs=1e-4), about  # g drifts by the error of the method
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_end_of_a_slide_on_a_moving_surface_is_exact_and_no_slow_crossing(method):
+    # x' = ±1 holds the state at x = t² until the surface is as fast: from t = 1/2 on x = t - 1/4, and y = t/2 to there.
+    system = core.PiecewiseSystem("leaving", ("x", "y"), ("1", "0"), ("-1", "1"), "x - t**2", x0=(0.0, 0.0))
+    run = core.integrate(system, (0.0, 2.0), method=method, sliding="continue", **METHODS[method][0])
+    assert run.x[-1] == pytest.approx([1.75, 0.125], abs=1e-9)
+    assert silent(run), run.message
