@@ -50,6 +50,9 @@ FIRST_WAIT = "Compiling the integrators, once on this machine: a minute or two. 
 LONG_WAIT = 1500
 """Milliseconds after that until it is said that the first trajectory has to wait for compilation."""
 
+DEFECT = "The portrait could not be drawn, by a defect of this page ({!r}). Undo, or change a setting."
+"""What is said where it is not that of the present scene, and no other will come."""
+
 WARNS = 'class="stopped"'
 """Part of the markup of words about runs that says of one that it may not be trusted; it stays by the portrait."""
 
@@ -188,6 +191,14 @@ class PortraitPanel(pn.viewable.Viewer):
             return
         if outcome.inputs.declaration != self.scene.declaration:  # another system has been chosen since
             return
+        try:
+            self._draw(outcome)
+        except Exception as defect:  # of this page: what stands there may be of two systems
+            fade(self.pane, past=True)
+            self.status.object, self.trouble.object = "", as_text(DEFECT.format(defect), "error")
+            raise
+
+    def _draw(self, outcome: Pictures) -> None:
         self.trouble.object = ""
         fade(self.pane, past=False)
         system, axes = outcome.inputs.declaration, outcome.axes

@@ -244,3 +244,36 @@ def test_nothing_is_seen_of_a_figure_before_there_is_something_in_it():
     page.view.begin()
     assert page.view.plots[0].object.styles["visibility"] == "hidden"
     page.close()
+
+
+def test_a_picture_that_cannot_be_drawn_is_no_mixture_of_two_systems_unsaid(explorer, monkeypatch):
+    panel = explorer.portrait_panel
+
+    def fail(*_):
+        raise KeyError("a mark")
+
+    monkeypatch.setattr(panel.portrait, "_label_marks", fail)
+    monkeypatch.setattr(panel.portrait, "show_starts", fail)
+    explorer.scene.accept("system", "kepler")
+    with pytest.raises(KeyError, match="a mark"):
+        explorer.settle(60)
+    assert "could not be drawn, by a defect of this page" in panel.trouble.object
+    assert panel.pane.styles["opacity"] == FADED["opacity"]
+    assert panel.status.object == ""
+    monkeypatch.undo()
+    explorer.scene.accept("system", "pendulum")
+    assert explorer.settle(60)
+    assert panel.trouble.object == ""
+    assert panel.pane.styles["opacity"] == PLAIN["opacity"]
+    assert "dmm2" in panel.status.object
+
+
+@pytest.mark.deep
+def test_a_run_at_the_limit_of_crossings_is_drawn_and_says_so(explorer):
+    """A converter whose step is longer than its surface allows switches millions of times."""
+    law = {"parameters": {"L": 0.02, "C": 47e-6, "R": 22.0, "E": 24.0, "V": 12.0}, "x0": (0.0, 0.0)}
+    fields = ("(i - v/R)/C", "(E - v)/L"), ("(i - v/R)/C", "-v/L")
+    explorer.scene.use(core.PiecewiseSystem("Buck", ("v", "i"), *fields, "v - V", **law))
+    assert explorer.settle(120)
+    assert "the limit of crossings is reached" in explorer.portrait_panel.status.object
+    assert explorer.portrait_panel.portrait.ends.data["label"] == ["end: crossing limit"]
