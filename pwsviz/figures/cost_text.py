@@ -116,7 +116,7 @@ def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
     rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
     what = "Shortest measured run time" if across == "seconds" else "Fewest evaluations measured"
     ties = f"; integrators up to {TIE:g} times slower are listed as well" * (across == "seconds")
-    caption = f"{what} for each error. Only runs with the correct sequence of crossings are considered{ties}"
+    caption = f"{what} for each error. Only runs with the correct sequence of crossings are considered{ties}."
     return Numbers(header, rows, caption=caption)
 
 

@@ -26,7 +26,8 @@ def prospects(system: core.PiecewiseSystem) -> str:
         )
     if _conserves(system):
         words.append(
-            "ψ is constant in each region: the points depend on its initial value, and other starts may give others."
+            "A conserved quantity is constant in each region: the points depend on its initial value, and other starts "
+            "may give others."
         )
     return " ".join(words)
 

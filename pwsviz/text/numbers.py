@@ -43,7 +43,7 @@ const printed = text => {  // a single number, as `printed` in Python
 
 def shortest(value: float) -> str:
     """Return the shortest text that determines a number: its digits, or a ratio as 100/7 where these are many."""
-    digits = repr(value).removesuffix(".0")
+    digits = re.sub(r"e(-?)\+?0*", r"e\1", repr(value).removesuffix(".0"))
     if len(digits) <= MANY_DIGITS or not math.isfinite(value):
         return digits
     ratio = Fraction(value).limit_denominator(LARGEST_DENOMINATOR)
