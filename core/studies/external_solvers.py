@@ -33,6 +33,8 @@ _EPS = 2.0**-52
 _OFF_SURFACE = 1e-9
 #: Added to g for heyoka, far below round-off: where g starts at exactly 0, as after a jump, it misses later roots.
 _ROOT_SHIFT = 2.0**-100
+#: Height at the start of a segment, at least: positive.
+_LEAST = np.nextafter(0.0, 1.0)
 #: Method whose compiled functions evaluate ψ along a run: explicit, so that it admits every system.
 _PSI_OF = "rk2"
 #: Steps of heyoka between two checks of the time used.
@@ -280,12 +282,15 @@ class _PreparedScipy:
         self._field = functions.field
         self._options: dict[str, Any] = {"method": "DOP853", "rtol": tolerance, "atol": tolerance * size}
         self._check: Callable[[], None]
+        self._since = np.nan
         self._events = _OnDemand[int, "list[Any]"](lambda k: [self._leaving(one) for one in functions.heights[k]])
 
     def _leaving(self, height: Callable[[float, Floats], Floats]) -> Any:
         def event(t: float, x: Floats) -> float:  # called once a step, so the time used is checked here
             self._check()
-            return float(height(t, x)[0])
+            value = float(height(t, x)[0])
+            # The surface at which the segment begins is left: a zero there would be found in place of a later one.
+            return max(value, _LEAST) if t == self._since else value
 
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
         return event
@@ -294,7 +299,9 @@ class _PreparedScipy:
         self, side: int, t: float, x: Floats, end: float, check: Callable[[], None], seen: Seen | None = None
     ) -> Arrival:
         """Integrate to the surface or to `end`."""
-        self._check = check
+        self._check, self._since = check, t
+        if not np.isfinite(self._field[side](t, x)).all():  # SciPy would try steps of length nan for ever
+            raise Stopped(f"the field is undefined at t = {t:.6g}")
         run = scipy.integrate.solve_ivp(self._field[side], (t, end), x, events=self._events[side], **self._options)
         if not run.success:
             raise Stopped(f"SciPy stops at t = {run.t[-1]:.6g}: {run.message}")

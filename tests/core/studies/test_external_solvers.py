@@ -114,6 +114,19 @@ def test_a_pole_ends_a_run_with_a_reason(solver):
         solve(solver, core.PiecewiseSystem("pole", ("x",), f, f, "x", x0=(1.0,)), 2.0)
 
 
+def test_a_field_that_is_undefined_beyond_the_surface_ends_a_run_with_a_reason():
+    system = core.PiecewiseSystem("edge", ("x",), ("1",), ("log(1 - x)",), "x - 1", x0=(0.0,))
+    with pytest.raises(Stopped, match=r"undefined at t = 1\b"):
+        solve(EXTERNAL_SOLVERS["scipy"], system, 2.0)
+
+
+def test_a_surface_that_is_left_and_met_again_in_one_step_is_met_where_it_is_met_again():
+    f = ("v", "100", "0")  # z, which rests, is large: SciPy's first step is longer than the 0.002 below y = 0
+    system = core.PiecewiseSystem("dip", ("y", "v", "z"), f, f, "y", x0=(0.0, -0.1, 1e3))
+    arcs = solve(EXTERNAL_SOLVERS["scipy"], system, 1.0, tolerance=1e-3)
+    assert [t for t, _ in arcs.left[:-1]] == pytest.approx([0.002], abs=1e-9)
+
+
 @pytest.mark.parametrize("root", ["sqrt(x)", "x**1.5"])  # of a negative number: an error, and a complex number
 def test_trial_steps_out_of_the_domain_are_taken_back(root):
     # Nothing happens until t = 5, so steps are long; then x is drawn to 1, and a long step would lead far below 0.
