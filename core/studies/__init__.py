@@ -19,6 +19,7 @@ from core.studies.stability import (
     outcome_words,
     stability_study,
 )
+from core.studies.time_scale import moderate_time
 
 __all__ = [
     "CANCELLED",
@@ -43,6 +44,7 @@ __all__ = [
     "WorkPrecision",
     "default_taus",
     "heyoka_integrator",
+    "moderate_time",
     "order_study",
     "outcome_words",
     "stability_study",

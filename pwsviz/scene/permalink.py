@@ -19,6 +19,7 @@ from pwsviz.scene.names import EXTERNAL_SOLVERS, LABELS, choice_name, short_name
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.serialization import packed, shown, unpacked, visible
 from pwsviz.scene.sweeping import COUNTS
+from pwsviz.scene.times import END_TIME, STEP_SIZE
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 from pwsviz.scene.views import VIEWS
 from pwsviz.text.advice import on_page
@@ -70,6 +71,8 @@ def query(scene: Scene) -> str:
     usual, pieces = Scene(), [_piece("v", str(VERSION))]
 
     def differs(key: str) -> bool:
+        if key in ("tau", "t_end") and scene.system == OWN:
+            return True  # what a reader would propose may change
         kept = key == "own" or _matters(scene, key)  # beside another system, too: a reload would lose what was typed
         return kept and _text(scene, key) != _text(usual, key)
 
@@ -199,6 +202,8 @@ class _Reader:
         self._given = self._split(text)
         for key in _FIRST:
             self._take_setting(key)
+        if self.scene.system == OWN:  # a link of a system of one's own names them, unless it is old: they were these
+            self.scene.param.update(tau=STEP_SIZE, t_end=END_TIME)
         self._take_parameters()
         self._take_starts()
         self._take_times()

@@ -29,17 +29,12 @@ from pwsviz.scene.names import (
     choice_name,
 )
 from pwsviz.scene.sweeping import AFRESH, COUNTS
+from pwsviz.scene.times import END_TIME, STEP_SIZE, Times, times_of
 from pwsviz.scene.validation import MAX_STEPS, one_of, require_few_steps
 from pwsviz.scene.views import VIEWS
 
 TOLERANCES = (1e-15, 1e-3)
 """Least and greatest tolerance (error of a step relative to the state) of an integrator that chooses its own steps."""
-
-END_TIME = 20.0
-"""End time of a system that has none of its own in `END_TIMES`."""
-
-END_TIMES = {"vibrating_table": 12.0, "type_upward": 40.0, "type_downward": 40.0, "type_sliding": 40.0}
-"""End times of systems that are too slow for `END_TIME`, or run out of sight by then."""
 
 PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8, 15)
 """Offered orders p of the perturbation c·τᵖ of crossing times; None for no perturbation."""
@@ -80,7 +75,7 @@ class Scene(param.Parameterized):
         default=None, class_=tuple, doc="Ends (left, right, bottom, top) of the portrait; None: as suits what it shows."
     )
     methods = param.ListSelector(default=["dmm2", "rk2"], objects=list(core.METHODS), doc="Integrators side by side.")
-    tau = param.Number(default=1e-2, bounds=(1e-6, 1.0), doc="Step size.")
+    tau = param.Number(default=STEP_SIZE, bounds=(1e-6, 1.0), doc="Step size.")
     tolerance = param.Number(default=1e-12, bounds=TOLERANCES, doc="Of integrators that choose their own steps.")
     t_end = param.Number(default=END_TIME, bounds=(1e-3, 1e5), doc="End time; the run starts at 0.")
     locate = param.Boolean(default=True, doc="Land on the surface at crossings (Mannshardt), or step over it.")
@@ -132,12 +127,12 @@ class Scene(param.Parameterized):
 
     def __init__(self, **params: Any) -> None:
         self._no_defaults = False
-        self._timed = ""  # the system whose end time was considered last
+        self._times = times_of("")  # of the system shown: what differs from them was chosen by the person
         self._stands_in = False  # whether the state is shown in place of a ψ that the system lacks
         self.loads = 0
         super().__init__(**params)
         chosen = self.declaration
-        missing = {"values": dict(chosen.values), "starts": (chosen.x0,), "t_end": self._end_of_system()}
+        missing = {"values": dict(chosen.values), "starts": (chosen.x0,), **self._times_of_system()}
         self.param.update(**{name: value for name, value in missing.items() if name not in params})
 
     # Reading it ------------------------------------------------------------------------------------------------------
@@ -203,7 +198,7 @@ class Scene(param.Parameterized):
         """Set all settings at once to those of a scene, as `settings` returned them."""
         with self._without_defaults():
             self.param.update(**settings)
-        self._timed, self._stands_in = self.system, False
+        self._times, self._stands_in = self._usual_times(), False
 
     def load(self, settings: Mapping[str, Any]) -> None:
         """Set some settings, and all others to their defaults; the user's own system is kept.
@@ -249,7 +244,7 @@ class Scene(param.Parameterized):
         checked_start(system, 0.0, system.x0)
         with self._without_defaults():
             self._show(system, own=system, system=OWN, **changes)
-        self.t_end = self._end_of_system()
+        self.param.update(**self._times_of_system())
 
     @param.depends("system", watch=True)
     def _start_afresh(self) -> None:
@@ -260,7 +255,7 @@ class Scene(param.Parameterized):
         chosen = self.declaration
         self._show(
             chosen, values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=None, window=None,
-            t_end=self._end_of_system(),
+            **self._times_of_system(),
         )  # fmt: skip
 
     @param.depends("axes", watch=True)
@@ -289,14 +284,21 @@ class Scene(param.Parameterized):
     def _choose_view(self) -> None:
         self._stands_in = False
 
-    def _end_of_system(self) -> float:
-        """Return the system's own end time, or the present one if that was not the system's before: the user's choice.
+    def _usual_times(self) -> Times:
+        return times_of(str(self.system), self.own if self.system == OWN else None)
 
-        The own end time is reached in at most `MAX_STEPS` steps of the present size.
+    def _times_of_system(self) -> dict[str, float]:
+        """Return the system's own step size and end time.
+
+        What the person chose instead of those of the system before stays, but not from the catalogue to a system of
+        the user's own, or back: they may differ by powers of ten. The end time is reached in at most `MAX_STEPS` steps.
         """
-        usual, self._timed = END_TIMES.get(self._timed, END_TIME), self.system
-        own = min(END_TIMES.get(self.system, END_TIME), self.tau * MAX_STEPS)
-        return float(own if self.t_end == usual else self.t_end)
+        before, now = self._times, self._usual_times()
+        self._times = now
+        chosen = Times(self.tau, self.t_end, now.own) if before.own == now.own else before
+        tau = now.tau if chosen.tau == before.tau else chosen.tau
+        t_end = min(now.t_end, tau * MAX_STEPS) if chosen.t_end == before.t_end else chosen.t_end
+        return {"tau": float(tau), "t_end": float(t_end)}
 
     def place(self, start: Start) -> None:
         """Add a trajectory, and select it.

@@ -234,6 +234,18 @@ def test_a_system_that_came_with_values_of_its_own_keeps_them():
     assert found["own"].values["k"] == 0.3
 
 
+def test_a_link_of_ones_own_system_names_its_times_and_one_that_does_not_is_read_as_when_it_was_written():
+    scene = Scene()
+    scene.use(own_system())
+    assert "&tau=0.01&t_end=20.0" in query(scene), "what a reader would propose may change"
+    fast = core.PiecewiseSystem("fast", ("x", "y"), ("y", "-1e8*x"), ("y", "-1e8*x"), "x - 0.3", x0=(1.0, 0.0))
+    scene.use(fast)
+    assert "&tau=1e-06&t_end=0.002" in query(scene)
+    old = re.sub("&(tau|t_end)=[^&]*", "", query(scene))
+    found, complaints = read(old)
+    assert (found["own"], found["tau"], found["t_end"], complaints) == (fast, 0.01, 20.0, [])
+
+
 @pytest.mark.parametrize("system", [*core.CATALOGUE.values(), *OWN_SYSTEMS.values()], ids=lambda system: system.name)
 def test_every_system_comes_back_as_one_of_ones_own_with_its_regions(system):
     scene = Scene()

@@ -184,6 +184,32 @@ def test_the_end_time_does_not_depend_on_the_systems_chosen_before():
     assert scene.t_end == 30.0, "what the person chose stays"
 
 
+def _oscillator(rate):
+    f = ("y", f"-{rate**2!r}*x")
+    return core.PiecewiseSystem("oscillator", ("x", "y"), f, f, "x - 0.3", x0=(1.0, 0.0))
+
+
+def test_a_system_of_ones_own_brings_a_step_size_and_an_end_time_of_its_scale_which_do_not_stay():
+    scene = Scene()
+    scene.use(_oscillator(1e4))
+    assert (scene.tau, scene.t_end) == pytest.approx((1e-6, 2e-3))
+    scene.accept_times(2e-6, 1e-3)
+    scene.use(_oscillator(2e4))
+    assert (scene.tau, scene.t_end) == (2e-6, 1e-3), "what the person chose stays while the system is mended"
+    scene.system = "pendulum"
+    assert (scene.tau, scene.t_end) == (1e-2, 20.0)
+    scene.accept_times(5e-3, 30.0)
+    scene.use(_oscillator(1.0))
+    assert (scene.tau, scene.t_end) == (1e-2, 20.0)
+
+
+def test_the_step_size_that_a_person_chose_stays_with_the_systems_of_the_catalogue():
+    scene = Scene()
+    scene.accept("tau", 0.1)
+    scene.system = "pendulum"
+    assert (scene.tau, scene.t_end) == (0.1, 20.0)
+
+
 def test_trajectories_are_placed_moved_and_removed():
     scene = Scene()
     scene.place((0.5, 0.25))
