@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.error_curve import ROUND_OFF, ErrorCurve
 from pwsviz.text.numbers import RAISED
-from pwsviz.text.words import rounded, rounded_up, whose_marks
+from pwsviz.text.words import listed, rounded, rounded_up, whose_marks
 
 __all__ = [
-    "CEILING", "MOST_BANDS", "TELLABLE", "axis_name", "conserved_text", "largest", "meaning", "round_off_grows",
+    "CEILING", "MOST_BANDS", "TELLABLE", "axis_name", "conserved_text", "largest", "largest_of_each", "meaning",
+    "round_off_grows",
 ]  # fmt: skip
 
 CEILING = 1e9
@@ -104,6 +105,14 @@ def conserved_text(curves: Sequence[ErrorCurve]) -> str:
     words = "; ".join(told) + "."
     terms = " “Relative” is to |ψ| + Σ |xᵢ ∂ψ/∂xᵢ|." * (RELATIVE in words)
     return words + terms + _about_marks(curves)
+
+
+def largest_of_each(curves: Sequence[ErrorCurve]) -> str:
+    """Return the largest |Δψ| by each integrator, for captions; empty if no ψ is known."""
+    known = ((curve.method, curve.error[~np.isnan(curve.error) & ~curve.sliding]) for curve in curves)
+    worst = [(method, float(error.max())) for method, error in known if len(error)]
+    told = [f"{method} {rounded(most) if most < math.inf else 'unbounded'}" for method, most in worst]
+    return f"Largest |Δψ|: {listed(told)}." if told else ""
 
 
 def _about_marks(curves: Sequence[ErrorCurve]) -> str:

@@ -160,7 +160,7 @@ def left_out(orbits: Sequence[Orbit]) -> str:
     """Say that not all places of crossings are marked, if they are too many."""
     most = _most_marks(len(orbits))
     marked, there = sum(min(len(one.kinds), most) for one in orbits), sum(one.places for one in orbits)
-    return f"Marked are {marked:,} of {there:,} places of crossings, the first of each run." if marked < there else ""
+    return f"Crossings are marked at {marked:,} of {there:,} places, the first of each run." if marked < there else ""
 
 
 def _most_marks(runs: int) -> int:

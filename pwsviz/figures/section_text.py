@@ -51,7 +51,7 @@ def section_text(outcome: SectionPoints) -> str:
     counts, inputs = outcome.counts, outcome.inputs
     after = reset_words(inputs.problem.declaration, inputs.of)
     whose = f" of {len(counts)} starts" if len(counts) > 1 else ""
-    words = [f"{plural(sum(counts), 'point')}{whose} on {surface_words(inputs)}{after}."]
+    words = [f"{plural(sum(counts), 'point')}{whose} on {surface_words(inputs)}{after}; {_integrated(outcome)}."]
     words += [*_short_ones(outcome), prospects(inputs.problem.declaration)]
     return " ".join(filter(None, words))
 
@@ -104,16 +104,23 @@ def _named(which: list[int], names: str) -> str:
 def section_how(outcome: SectionPoints) -> str:
     """Return how the points were found, for files and captions."""
     inputs = outcome.inputs
-    adaptive = inputs.scheme.tolerance is not None
-    step = f"tolerance {inputs.scheme.tolerance:.3g}" if adaptive else f"step size τ = {inputs.tau:.15g}"
     left = f", after the first {inputs.discard:,} are discarded" if inputs.discard else ""
     after = reset_words(inputs.problem.declaration, inputs.of)
     system = inputs.problem.declaration
     crossings = at_surface(met_at_surfaces(system), inputs.scheme.locate, inputs.scheme.slide and may_slide(system))
-    by = f"integrated by {inputs.scheme.method} with {step}; {crossings}"
+    by = f"{_integrated(outcome)}; {crossings}"
     return " ".join(
         [f"{_drawn(outcome)} on {surface_words(inputs)}{after}{left}; {by}.", *_short_ones(outcome)]
     ).rstrip(".")
+
+
+def _integrated(outcome: SectionPoints) -> str:
+    """Return by what, in which steps and up to when the runs are integrated."""
+    scheme = outcome.inputs.scheme
+    adaptive = scheme.tolerance is not None
+    step = f"tolerance {scheme.tolerance:.3g}" if adaptive else f"step size τ = {outcome.inputs.tau:.15g}"
+    first, last = (f"t = {end:,.4g}" for end in (min(outcome.ends), max(outcome.ends)))
+    return f"integrated by {scheme.method} with {step} to {first if first == last else f'times from {first} to {last}'}"
 
 
 def _drawn(outcome: SectionPoints) -> str:

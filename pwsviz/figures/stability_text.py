@@ -67,7 +67,7 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
         line = ""
         if limits is not None:
             last = ", at the largest τ tried," * (not limits.reason[study.methods.index(method)])
-            line = f", and the line{last} refers only to the start {start}, {_until(study, limits)}"
+            line = f", and the line{last} refers only to the start {start}{_until(study, limits)}"
         return f"each cell represents a run of {method} to t = {study.t_span[1]:.6g}{line}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
@@ -90,7 +90,7 @@ def _grid(study: core.StabilityStudy, limits_too: bool) -> str:
     name = f"initial {varied} {up}"
     limits = ""
     if limits_too and study.largest_tau is not None and study.largest_tau.found.any():
-        limits = f"“Largest successful τ” refers only to the chosen start, {_until(study, study.largest_tau)}. "
+        limits = f"“Largest successful τ” refers only to runs from the chosen start{_until(study, study.largest_tau)}. "
     return f"{len(taus)} × {len(values)} values: {across} (logarithmically spaced), {name}. {limits}"
 
 
@@ -192,13 +192,13 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
         for k, name in enumerate(study.methods)
         if largest.done[k]
     )
-    caption = f"Largest step size from the chosen start, {_until(study, largest)}"
+    caption = f"Largest successful step size of runs from the chosen start{_until(study, largest)}"
     return Numbers(("integrator", "largest successful τ", "least failing τ", "reason"), rows, caption=caption)
 
 
 def _all_work(last: float) -> str:
     """Say up to which step size an integrator works for which no larger one was tried."""
-    most = ", the largest value offered" * (last == LIMITS_OF_TAU[1])
+    most = ", the largest value on offer" * (last == LIMITS_OF_TAU[1])
     return f"successful up to τ = {last:.3g}{most}"
 
 
@@ -206,11 +206,11 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
     """Return up to which time crossings are counted, and why if that is not the end time."""
     end, horizon = study.t_span[1], largest.horizon
     if largest.expected not in ENDINGS:
-        return f"from which the reference ends early, before t = {end:.4g}: no run is judged"
+        return f", from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected is not core.Status.COMPLETED:
-        return f"from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
+        return f", from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
     moved = f", since within one step of t = {end:.4g} the solution meets or leaves a surface" * (horizon != end)
-    return f"to t = {horizon:.4g}{moved}"
+    return f" to t = {horizon:.4g}{moved}"
 
 
 def _shares(study: core.StabilityStudy, found: OutcomeMap, method: str) -> Numbers:

@@ -252,7 +252,7 @@ def state_text(names: Sequence[str], runs: Sequence[StateCurves], crossings: int
     first = runs[0]
     ranges = [_told(name, runs, k) for k, name in enumerate(names[:MOST_PANELS])]
     off = " Its last part runs off." if first.runs_off else ""
-    more = f" Drawn are the first {MOST_PANELS} of {len(names)} coordinates." if len(names) > MOST_PANELS else ""
+    more = f" Only the first {MOST_PANELS} of {len(names)} coordinates are drawn." if len(names) > MOST_PANELS else ""
     marks = f" {whose_marks([run.method for run in runs], crossings)}".rstrip() + _how_many(crossings)
     return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges)}.{off}{more}{marks}"
 
@@ -280,4 +280,4 @@ def _how_many(crossings: int) -> str:
     """Say that not all crossings are marked, if they are too many."""
     if crossings <= MOST_MARKS:
         return ""
-    return f" Marked are the first {MOST_MARKS} of {crossings:,} crossings, and shaded the sides up to there."
+    return f" Only the first {MOST_MARKS} of {crossings:,} crossings are marked; the sides are shaded up to there."

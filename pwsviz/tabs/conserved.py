@@ -11,7 +11,7 @@ import core
 from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, conserved_tables
 from pwsviz.figures.conserved import ConservedView
-from pwsviz.figures.conserved_text import conserved_text, meaning
+from pwsviz.figures.conserved_text import conserved_text, largest_of_each, meaning
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.geometry.projection import conserved_note
@@ -101,9 +101,14 @@ class ConservedTab(Tab):
         return f"{largest} |Δψ| of the conserved {quantities}" if known else "Error of g along the sliding motion"
 
     def meaning(self, outcome: ErrorPicture) -> str:
-        """Return what the axis and the lines show, for captions."""
+        """Return how large the error becomes, and what the axis and the lines show, for captions."""
         note = conserved_note(outcome.system) * (outcome.system.laws.most_conserved > 0)
-        return f"{meaning(outcome.curves, met_at_surfaces(outcome.system), self.view.draws_round_off)} {note}".strip()
+        shown = meaning(outcome.curves, met_at_surfaces(outcome.system), self.view.draws_round_off)
+        return " ".join(filter(None, [self.key(outcome), shown, note]))
+
+    def key(self, outcome: ErrorPicture) -> str:
+        """Return how large the error becomes."""
+        return largest_of_each(outcome.curves)
 
     def tables(self) -> Tables:
         """Return the drift of every integrator at its own steps, and its crossings."""

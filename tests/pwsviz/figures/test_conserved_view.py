@@ -9,7 +9,7 @@ import pytest
 
 import core
 from pwsviz.figures.conserved import FLOOR, NOWHERE, ConservedView, drawable
-from pwsviz.figures.conserved_text import CEILING, MOST_BANDS, conserved_text, meaning
+from pwsviz.figures.conserved_text import CEILING, MOST_BANDS, conserved_text, largest_of_each, meaning
 from pwsviz.figures.marks import KIND_COLOURS, KIND_MARKERS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.results.animation import landmarks
@@ -241,6 +241,13 @@ def test_an_error_that_comes_and_goes_is_no_drift():
     assert conserved_text([waves]) == "rk4 shows no drift so far, up to t = 20: max |Δψ| = 10⁻³."
 
 
+def test_a_caption_tells_how_large_the_error_of_each_integrator_becomes():
+    curves = [curve(np.array([0.0, 2e-16, 1e-16])), curve(np.array([0.0, 3.14e-4, 1e-4]), "rk2")]
+    assert largest_of_each(curves) == "Largest |Δψ|: dmm2 2×10⁻¹⁶ and rk2 3.1×10⁻⁴."
+    assert largest_of_each([curve(np.array([0.0, np.inf]), "rk4")]) == "Largest |Δψ|: rk4 unbounded."
+    assert largest_of_each([curve(np.full(3, np.nan))]) == "", "no ψ is known"
+
+
 def test_a_drift_that_an_oscillation_hides_is_not_denied():
     """By rk2 ψ of a spring with a kink, and with a cubic force, drifts in proportion to time, by 10⁻⁶ in a unit."""
     springs = core.PiecewiseSystem(
@@ -250,8 +257,9 @@ def test_a_drift_that_an_oscillation_hides_is_not_denied():
     )  # fmt: skip
     told = []
     for t_end in (10.0, 20.0, 200.0):
-        scene = Scene(methods=["rk2"], tau=0.01, t_end=t_end)
+        scene = Scene(methods=["rk2"])
         scene.use(springs)
+        scene.accept_times(0.01, t_end)
         told.append(conserved_text(Results().error_curves(run_inputs(scene))))
     assert told[0].startswith("rk2: max |Δψ| =")
     assert told[1] == "rk2: max |Δψ| = 1.7×10⁻⁵ up to t = 20."

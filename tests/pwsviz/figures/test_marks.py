@@ -52,9 +52,9 @@ def test_where_places_of_crossings_are_left_out_it_is_said_how_many():
     run = pictures("grazing").orbits[0]
     marked = replace(run, kinds=("transversal",) * MOST_PLACES, places=MOST_PLACES)
     assert left_out([marked]) == ""
-    words = "Marked are 1,000 of 1,300 places of crossings, the first of each run."
+    words = "Crossings are marked at 1,000 of 1,300 places, the first of each run."
     assert left_out([replace(marked, places=1300)]) == words
-    assert left_out([marked] * 4).startswith("Marked are 3,000 of 4,000 places"), "of all runs together"
+    assert left_out([marked] * 4).startswith("Crossings are marked at 3,000 of 4,000 places"), "of all runs together"
 
 
 def test_a_run_knows_how_many_places_a_screen_tells_apart_and_keeps_the_first(monkeypatch):
@@ -63,7 +63,7 @@ def test_a_run_knows_how_many_places_a_screen_tells_apart_and_keeps_the_first(mo
     monkeypatch.setattr(orbits, "MOST_PLACES", 1)
     drawn = pictures("grazing", selected=1)
     assert (drawn.orbits[0].places, drawn.orbits[0].kinds) == (orbit.places, orbit.kinds[:1])
-    assert "Marked are" in figures_of(drawn)
+    assert "Crossings are marked" in figures_of(drawn)
 
 
 def test_each_of_six_sliding_runs_has_its_end_on_the_surface():

@@ -144,7 +144,7 @@ def test_steps_are_marked_until_a_run_returns_to_its_own_path_and_the_legend_say
     view, period = Watched(), np.pi + np.pi / np.sqrt(3.0)  # half a turn at each of the two frequencies
     (entry,) = [one for one in view.figure.legend[0].items if one.label == value("step")]
     start = ((1.0, 0.0),)
-    for end, label in ((4.0, "step"), (20.0, "step (some)")):
+    for end, label in ((4.0, "step"), (20.0, "step (not every one)")):
         system, pictures = pictured(start, system="harmonic_oscillator", tau=0.5, t_end=end)
         view.show_orbits(system, pictures, list(start), 0)
         first = pictures.orbits[0]

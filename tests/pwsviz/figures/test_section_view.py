@@ -127,7 +127,10 @@ def test_every_start_has_a_colour_of_its_own():
 
 def test_words_tell_which_starts_have_fewer_points_and_why():
     whole = points(portion(0, [1.0, 2.0, 3.0]), portion(1, [1.0, 2.0, 3.0]), section_direction=1)
-    assert section_text(whole) == "6 points of 2 starts on S: g = 0, met from one side only, just after the reset map."
+    assert section_text(whole) == (
+        "6 points of 2 starts on S: g = 0, met from one side only, just after the reset map; "
+        "integrated by taylor with tolerance 1e-12 to times from t = 7.5 to t = 8.25."
+    )
     early = points(portion(0, [1.0, 2.0, 3.0]), portion(1, [2.0]), statuses=(Status.CROSSING_LIMIT, Status.ZENO))
     assert (
         "One start has all 3. Start 2 has ended with 1 point by t = 8.25, the last at t = 2: jumps come ever "
@@ -151,7 +154,7 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
         still
     )
     typed = points(portion(0, [1.0]), section_of="y - a**2", section_discard=9)
-    assert "on y − a² = 0, crossed in both directions." in section_text(typed)
+    assert "on y − a² = 0, crossed in both directions; " in section_text(typed)
     assert "after the first 9 are discarded; integrated by taylor" in section_how(typed)
 
 

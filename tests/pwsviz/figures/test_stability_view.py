@@ -300,18 +300,18 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
 @pytest.mark.parametrize(
     ("system", "end", "told"),
     [
-        ("elliptic_curve", 19.0, "to t = 19"),
+        ("elliptic_curve", 19.0, " to t = 19"),
         (
             "elliptic_curve",
             20.0,
-            "to t = 20.07, since within one step of t = 20 the solution meets or leaves a surface",
+            " to t = 20.07, since within one step of t = 20 the solution meets or leaves a surface",
         ),
-        ("type_sliding", 20.0, "from which the solution itself ends before t = 20: a run has to end likewise"),
+        ("type_sliding", 20.0, ", from which the solution itself ends before t = 20: a run has to end likewise"),
     ],
 )
 def test_a_study_that_counts_crossings_to_another_time_than_the_end_says_why(system, end, told):
     found = core.stability_study(core.CATALOGUE[system], (0.0, end), methods=("rk2",), parts=("largest_tau",))
-    assert stability_numbers(found, "map", "rk2")[0].caption.endswith(f"start, {told}")
+    assert stability_numbers(found, "map", "rk2")[0].caption.endswith(f"start{told}")
 
 
 def test_a_map_of_solutions_that_end_early_says_so(study):
@@ -345,11 +345,11 @@ def test_the_text_gives_the_grid_and_for_which_start_the_lines_hold(study):
     told = stability_text(study, "map")
     assert told.startswith("6 × 5 values: τ from ")
     assert f" (logarithmically spaced), initial {study.coordinate_name} from " in told
-    assert ". “Largest successful τ” refers only to the chosen start, to t = " in told
+    assert ". “Largest successful τ” refers only to runs from the chosen start to t = " in told
 
 
 def test_an_integrator_that_works_with_every_step_size_is_said_to_do_so_up_to_the_last_one(study):
-    for last, told in ((0.5, "successful up to τ = 0.5"), (1.0, "successful up to τ = 1, the largest value offered")):
+    for last, told in ((0.5, "successful up to τ = 0.5"), (1.0, "successful up to τ = 1, the largest value on offer")):
         largest = replace(study.largest_tau, taus=np.array([0.1, last]), reason=("", ""))
         row = stability_numbers(replace(study, largest_tau=largest), "map", "rk2")[0].rows[0]
         assert row[3] == told
@@ -423,7 +423,7 @@ def test_captions_name_the_runs_of_a_part_and_when_these_end(study):
     )
     assert runs_drawn(study, "map", "rk2").startswith("each cell represents a run of rk2 to t = ")
     start = f"{study.coordinate_name} = {study.x0[study.coordinate]:.6g}".replace("-", "−")
-    assert f", and the line refers only to the start {start}, to t = " in runs_drawn(study, "map", "rk2")
+    assert f", and the line refers only to the start {start} to t = " in runs_drawn(study, "map", "rk2")
     limits = replace(study.largest_tau, beyond=np.array([np.nan, np.nan]))
     none = runs_drawn(replace(study, largest_tau=limits), "map", "rk2")
     assert "line" not in none, "all step sizes work: there is no limit to draw"
