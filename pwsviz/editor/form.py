@@ -27,6 +27,7 @@ QUIET = 0.25
 """Seconds without a change before the fields are checked."""
 
 CURRENT = "The system on the page"
+KEPT = f"These fields keep what you typed before; “Start from: {CURRENT}” replaces it."
 """Menu entry that fills in the present system."""
 
 BLANK = "Nothing: empty fields"
@@ -136,6 +137,7 @@ class SystemEditor(pn.viewable.Viewer):
         self._wanted = False
         self.draft = Draft()
         self.texts = {name: self._make_text(name) for name in FIELDS}
+        self.kept = _markup_pane()
         self.maths = {name: _markup_pane() for name in FIELDS}
         self.status = _markup_pane()
         titles = [*([CURRENT] if current else []), BLANK, *EXAMPLES, *_built_in()]
@@ -182,6 +184,16 @@ class SystemEditor(pn.viewable.Viewer):
         except ValueError as reason:
             self.status.object = complaint(reason)
 
+    def resume(self) -> None:
+        """Fill in the system on the page, unless something else was typed before: then say that it is still there."""
+        if self._current is None:
+            return
+        if self._borrowed or self.draft == Draft():
+            self.start()
+            return
+        typed = self.system
+        self.kept.object = "" if typed is not None and typed.laws is self._current().laws else as_text(KEPT)
+
     # Filling it in ---------------------------------------------------------------------------------------------------
 
     def load(self, system: core.PiecewiseSystem) -> None:
@@ -191,7 +203,7 @@ class SystemEditor(pn.viewable.Viewer):
 
     def fill(self, draft: Draft) -> None:
         """Fill in a draft, and check it at once."""
-        self._borrowed = ""
+        self._borrowed, self.kept.object = "", ""
         self._filling = True
         try:
             for name, field in self.texts.items():
@@ -294,6 +306,7 @@ class SystemEditor(pn.viewable.Viewer):
         """Return the fields in a column, in the order in which one writes a system down."""
         return pn.Column(
             self.menu,
+            self.kept,
             self._pair("name", "variables"),
             self._field("parameters"),
             heading("Laws"),

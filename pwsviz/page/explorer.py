@@ -281,12 +281,12 @@ class Explorer(pn.viewable.Viewer):
     # Own system, link, export ----------------------------------------------------------------------------------------
 
     def edit(self) -> None:
-        """Open the editor, the first time with the system on the page."""
+        """Open the editor with the system on the page, or with what was typed there before."""
         core.compile_beside()
         if self.editor is None:
             self.editor = SystemEditor(self._use, current=self.scene.build, on_ready=self._prepare)
-            self.editor.start()
             self.editing.objects = [self.editor]
+        self.editor.resume()
         self.editing.open = True
 
     def _prepare(self, system: core.PiecewiseSystem) -> None:

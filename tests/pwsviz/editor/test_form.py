@@ -169,6 +169,25 @@ def test_the_system_on_the_page_can_be_started_from(desk):
     assert desk.used[0].psi_plus == ELLIPTIC.psi_plus
 
 
+def test_what_was_typed_is_kept_and_said_to_be_where_the_page_shows_another_system(desk):
+    shown = [core.CATALOGUE["pendulum"]]
+    desk.editor.close()
+    desk.editor = editor = SystemEditor(desk.used.append, desk.deliver, lambda: shown[0])
+    editor.resume()
+    assert (editor.texts["name"].value, editor.settle(20)) == ("Pendulum", True)
+    shown[0] = core.CATALOGUE["kepler"]
+    editor.resume()
+    assert (editor.texts["name"].value, editor.kept.object) == ("Kepler with a shell", "")
+    desk.type(g="x - 0.25")
+    shown[0] = core.CATALOGUE["pendulum"]
+    editor.resume()
+    assert editor.texts["g"].value_input == "x - 0.25"
+    assert "keep what you typed" in editor.kept.object
+    shown[0] = editor.system
+    editor.resume()
+    assert editor.kept.object == "", "the page shows what was typed"
+
+
 def test_loading_a_system_takes_away_the_complaints_of_before(desk):
     desk.type(jump="x", variables="x, 2")
     desk.editor.load(core.CATALOGUE["kepler"])
