@@ -47,7 +47,7 @@ def pytest_addoption(parser):
     group = parser.getgroup("random cases")
     group.addoption("--draws", type=int, metavar="N", help="draw N times the cases that every test asks for")
     group.addoption("--seed", default=None, metavar="S", help="seed of these cases, in hexadecimal")
-    group.addoption("--half", metavar="S", help="run one half of the deep tests, which follows from S, a text")
+    group.addoption("--part", metavar="N:S", help="run one in N of the deep tests, which follow from S, a text")
 
 
 def pytest_configure(config):
@@ -63,17 +63,24 @@ def pytest_configure(config):
 def pytest_terminal_summary(terminalreporter, config):
     option = config.option
     number = f"--draws {option.draws} " if option.draws else ""
-    half = f"; of the deep tests --half {option.half}" if option.half is not None else ""
-    terminalreporter.write_line(f"random cases: {number}--seed {option.seed}{half}")
+    part = f"; of the deep tests --part {option.part}" if option.part is not None else ""
+    terminalreporter.write_line(f"random cases: {number}--seed {option.seed}{part}")
 
 
+@pytest.hookimpl(tryfirst=True)  # before tests are chosen by their marks
 def pytest_collection_modifyitems(config, items):
-    """Leave out the other half of the deep tests, and begin with what takes longest: no process waits for another."""
-    half = config.option.half
+    """Leave out the other parts of the deep tests, and begin with what takes longest: no process waits for another.
+
+    All random families are deep.
+    """
+    for item in items:
+        if item.nodeid.startswith("tests/families/"):
+            item.add_marker("deep")
+    parts, _, text = (config.option.part or "1:").partition(":")
 
     def is_left_out(item):
-        name = hashlib.sha256(f"{half} {item.nodeid}".encode())
-        return half is not None and item.get_closest_marker("deep") is not None and name.digest()[0] % 2 == 0
+        name = hashlib.sha256(f"{text} {item.nodeid}".encode())
+        return item.get_closest_marker("deep") is not None and name.digest()[0] % int(parts) != 0
 
     def place(item):
         return next((k for k, folder in enumerate(LONGEST) if item.nodeid.startswith(folder)), len(LONGEST))

@@ -126,6 +126,7 @@ def test_as_many_crossings_at_other_times_are_another_sequence():
     assert (found.outcome[0][late] == WRONG_CROSSINGS).all()
 
 
+@pytest.mark.deep
 def test_without_a_transition_every_part_steps_over_the_surface():
     options = {"methods": ("rk4",), "steps": 500, "tau": 0.05, "taus": (0.02, 0.2), "values": (-2.2, -1.0, 0.2)}
     located, stepped = (stability_study(ELLIPTIC, transition=how, **options) for how in ("mannshardt", "none"))
@@ -280,6 +281,7 @@ def test_a_start_on_the_surface_is_no_touch():
     assert not found.found
 
 
+@pytest.mark.deep
 def test_where_the_solution_stops_no_run_is_said_to_miss_a_crossing():
     relay = core.CATALOGUE["relay_feedback"]  # touches the line where it begins to chatter
     found = stability_study(relay, methods=("taylor",), values=np.linspace(3, 3.4, 4), parts="grazing").grazing
@@ -289,6 +291,7 @@ def test_where_the_solution_stops_no_run_is_said_to_miss_a_crossing():
     assert (found.missed == 0).all()
 
 
+@pytest.mark.deep
 def test_the_touch_is_where_the_field_is_tangent_to_the_surface():
     """Outside the circle the rate of g = x² + y² − 1 is 2y(3x² + 2x − 2)."""
     found = stability_study(ELLIPTIC, (0.0, 20.0), methods=("dmm2",), parts="grazing").grazing
