@@ -25,7 +25,15 @@ from core.symbolic.expressions import TIME
 from core.symbolic.mode import Mode
 from core.system import PiecewiseSystem
 
-__all__ = ["EXTERNAL_SOLVERS", "Arcs", "ExternalSolver", "Stopped", "external_arcs", "heyoka_integrator"]
+__all__ = [
+    "EXTERNAL_SOLVERS",
+    "Arcs",
+    "ExternalSolver",
+    "ManyCrossings",
+    "Stopped",
+    "external_arcs",
+    "heyoka_integrator",
+]
 
 #: Spacing of doubles at 1, the least tolerance of heyoka.
 _EPS = 2.0**-52
@@ -49,6 +57,10 @@ Jump: TypeAlias = "tuple[Expr, ...]"
 
 class Stopped(Exception):  # noqa: N818 - not an error of the program
     """An external solver cannot continue, or was told not to; the text says why."""
+
+
+class ManyCrossings(Stopped):
+    """A run is given up for the number of its crossings."""
 
 
 @dataclass
@@ -271,7 +283,7 @@ def external_arcs(
         if not on_surface:
             return arcs
         if arcs.crossings > max_crossings:
-            raise Stopped(f"more than {max_crossings} crossings, up to t = {t:.6g}")
+            raise ManyCrossings(f"more than {max_crossings} crossings, up to t = {t:.6g}")
         side, x = functions.landing(t, x, side, guard, since)
 
 

@@ -73,7 +73,8 @@ class CrossingSequence:
         k = int(wrong[0])
         if self.modes[k + 1] != expected.modes[k + 1]:
             return f"at t = {self.t[k]:.4g} it {self._way(k)}, where the solution {expected._way(k)}"
-        return f"{self._name(k)} is at t = {self.t[k]:.4g} instead of {expected.t[k]:.4g}, closer to another crossing of the exact solution"
+        times = f"at t = {self.t[k]:.4g} instead of {expected.t[k]:.4g}"
+        return f"{self._name(k)} is {times}, closer to another in the exact solution"
 
     def _way(self, k: int) -> str:
         mode = int(self.modes[k + 1])
