@@ -164,51 +164,46 @@ def levels_texts(laws: Laws, mode: Mode) -> list[str]:
     return [function_text(name, [*lines, "return 0"]) for name, lines in functions]
 
 
-def _row(u: Expr, laws: Laws, slowness: Sequence[Symbol], names: Names) -> list[Expr]:
-    """Change of u along with the time that a change of the state takes, per coordinate: ∇u + ∂u/∂t q."""
-    rate = names.own([u.diff(TIME)])[0]
-    return [g + rate * q for g, q in zip(names.own(u.diff(v) for v in laws.x), slowness, strict=True)]
-
-
 def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: int = 0) -> str:
     """Text of `project_to_surface`: one Newton correction of guard = 0 (and ψ = level), residuals in double-double.
 
-    The guard is corrected along the flow, by s = guard/rate, which takes the time s: across it, the state would drift
-    by the rounding of each time at which it meets a surface that moves. What is to be kept is corrected by the least
-    change a that leaves the guard; it takes the time a·q, q = f/|f|², by which ψ and g change as well where they depend
-    on t: their rows are ∇u + ∂u/∂t q. Where the surface and the orbit are nearly tangent the correction along the flow
-    is ill-conditioned, and is omitted. A method that is not conservative has drifted off the surface while sliding; it
-    is put back on it here, where sliding ends.
+    What is to be kept is corrected first, by the least change a of the state, which takes no time. Then the guard is
+    corrected along the flow, by s = guard/rate, which takes the time s and keeps the rest: across the flow, the state
+    would drift by the rounding of each time at which it meets a surface that moves. Where the surface and the orbit are
+    nearly tangent that is ill-conditioned, and is omitted. A method that is not conservative has drifted off the
+    surface while sliding; it is put back on it here, where sliding ends.
     """
     names, d = Names(laws), len(laws.x)
     guard, m = mode.guards[number], len(mode.conserved) if conservative else 0
     drifts = mode.surface is not None and d > 1 and not conservative
     kept = mode.conserved if conservative else (mode.surface,) if drifts and mode.surface is not None else ()
-    moves, fields, slowness = named("a", d), named("f", d), named("q", d)
+    moves, fields = named("a", d), named("f", d)
     lines = [*names.unpack, *(level_residual_lines(names, mode) if conservative else [])]
-    zeros = {f"r{m}": mode.surface, "s": guard} if drifts else {"s": guard}
-    lines += names.doubled(list(zeros), [u for u in zeros.values() if u is not None])
+    zeros = {"r0": kept[0], "s": guard} if drifts else {"s": guard}
+    lines += names.doubled(list(zeros), list(zeros.values()))
     lines += [f"{r} += {r}_low" for r in zeros]
     targets, values = [*map(str, fields), "rate"], names.own([*mode.field, mode.rate_of(guard)])
     lines += assignments(targets, values, names.temporaries)
     lines += [f"speed = max({', '.join(f'abs({f})' for f in fields)}, 0.0)", f"w[{abi.DELAY}] = 0.0"]
-    lines += ["if not speed > 0.0:", "    return 0", size_line(names.x), "s = s / rate if rate != 0.0 else math.inf"]
+    lines += ["if not speed > 0.0:", "    return 0", size_line(names.x)]
     farthest = _FARTHEST_OF_DRIFT if drifts else _FARTHEST
-    lines += [f"if not abs(s) * speed <= {farthest} * state:", "    s = 0.0", "delay = -s"]
     if kept:
-        lines.append(f"square = {' + '.join(f'({f} / speed)**2' for f in fields)}")
-        lines += [f"{q} = {f} / speed / square / speed" for q, f in zip(slowness, fields, strict=True)]
-        rows = [_row(u, laws, slowness, names) for u in (*kept, guard)]
-        entries, worked_out = row_lines(rows, names.temporaries)
-        lines += [f"r{len(kept)} = 0.0", *worked_out, *least_change(entries, moves, names.temporaries, least=_TANGENT)]
+        entries, worked_out = row_lines([names.own(u.diff(v) for v in laws.x) for u in kept], names.temporaries)
+        lines += [*worked_out, *least_change(entries, moves, names.temporaries, least=_TANGENT)]
         most = str(farthest)
         if 1 < m < FEW:  # steps that keep dependent ψ are known to half the digits only
             most = f"({_FARTHEST} if independent or near else {_FARTHEST_OF_HALF})"
         lines += [f"if not max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {most} * state:", "    return 0"]
-        lines.append(f"delay -= {' + '.join(f'{a} * {q}' for a, q in zip(moves, slowness, strict=True))}")
-    lines += ["if not abs(delay) < math.inf:", "    return 0", f"w[{abi.DELAY}] = delay"]
+        gradient = names.own(guard.diff(v) for v in laws.x)
+        change = sympy.Add(*(slope * a for slope, a in zip(gradient, moves, strict=True)))
+        lines += [*assignments(["change"], [change], names.temporaries), "s -= change"]
+    lines += [
+        "s = s / rate if rate != 0.0 else math.inf",
+        f"if not abs(s) * speed <= {farthest} * state:",
+        "    s = 0.0",
+    ]
+    lines.append(f"w[{abi.DELAY}] = -s")
     for k, f in enumerate(fields):
         x, c = (f"w[{start + k}]" for start in (names.frame.x, names.frame.carry))
-        change = f"c{k} - s * {f}" + (f" - {moves[k]}" if kept else "")
-        lines.append(f"{x}, {c} = two_sum(x{k}, {change})")
+        lines.append(f"{x}, {c} = two_sum(x{k}, c{k} - s * {f}{f' - {moves[k]}' * bool(kept)})")
     return function_text("project_to_surface", [*lines, "return 0"])

@@ -204,9 +204,12 @@ def _least(values: Floats) -> float:
     return float(known.min()) if known.size else math.nan
 
 
-_SECOND = "a second crossing within the step cannot be excluded"
-_UNSOLVED = "the step {} the surface may have no solution, or more than one"
-#: Bounds on τ: field of `Constants`, name in a warning, and what may happen beyond it.
+_SECOND = "a second crossing within the step cannot be excluded; take {}"
+_UNSOLVED = (
+    "beyond it the theory does not tell that the step {} the surface has one solution; the bound is sufficient, not "
+    "necessary, and depends on the units of the variables"
+)
+#: Bounds on τ: field of `Constants`, name in a warning, and what may happen beyond it, with room for what to do.
 _BOUNDS = (
     ("window", "the window alpha^2/M", _SECOND),
     ("window_hat", "the discrete window alpha_hat^2/M_hat", _SECOND),
@@ -227,7 +230,7 @@ def _warnings(tau: float, t: Floats, constants: Constants) -> Iterator[str]:
             worst = rows[np.argmin(values[rows])]
             advice = f"tau below {_round_down(values[worst]):.2g}" if values[worst] > 0.0 else "a smaller tau"
             where = _place(t, rows, worst)
-            yield f"tau = {tau:.3g} exceeds {bound} = {values[worst]:.3g}{where}: {consequence}; take {advice}"
+            yield f"tau = {tau:.3g} exceeds {bound} = {values[worst]:.3g}{where}: {consequence.format(advice)}"
 
 
 def _failures(tau: float, t: Floats, alpha_hat2: Floats) -> Iterator[str]:
@@ -241,7 +244,7 @@ def _failures(tau: float, t: Floats, alpha_hat2: Floats) -> Iterator[str]:
 
 
 def _place(t: Floats, rows: NDArray[np.intp], worst: np.intp) -> str:
-    among = f", the worst of {len(rows)}" if len(rows) > 1 else ""
+    among = f", the worst of {len(rows)} crossings" if len(rows) > 1 else ""
     return f" at crossing {worst + 1} (t = {t[worst]:.3g}{among})"
 
 

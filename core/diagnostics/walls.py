@@ -19,7 +19,7 @@ from core.system import PiecewiseSystem
 __all__ = ["beyond_walls", "inhabited", "start_warning", "starts_beyond_wall"]
 
 
-def inhabited(system: PiecewiseSystem, met: Iterable[int] = ()) -> frozenset[int]:
+def inhabited(system: PiecewiseSystem, met: Iterable[int] = (), t: float = 0.0) -> frozenset[int]:
     """Return the numbers of the regions in which a state may be.
 
     These are the regions of the declared start and those that runs have met, and all to which ways lead from there. No
@@ -30,11 +30,13 @@ def inhabited(system: PiecewiseSystem, met: Iterable[int] = ()) -> frozenset[int
     ----------
     met
         Numbers of regions in which runs are known to be.
+    t
+        Time of the declared start.
     """
     regions = range(len(system.laws.regions))
     if not system.laws.jumps:
         return frozenset(regions)
-    at_start = [mode for mode in regions if (system.heights(mode, 0.0, system.x0) >= 0.0).all()]
+    at_start = [mode for mode in regions if (system.heights(mode, t, system.x0) >= 0.0).all()]
     found, left = set[int](), [*met, *at_start]
     while left:
         mode = left.pop()
@@ -48,7 +50,7 @@ def inhabited(system: PiecewiseSystem, met: Iterable[int] = ()) -> frozenset[int
 def beyond_walls(system: PiecewiseSystem, t: float, x: Floats) -> NDArray[np.bool_]:
     """Return which of some states (..., d) lie in a region in which no state can be."""
     found = np.zeros(x.shape[:-1], dtype=bool)
-    for mode in frozenset(range(len(system.laws.regions))) - inhabited(system):
+    for mode in frozenset(range(len(system.laws.regions))) - inhabited(system, t=t):
         found |= np.asarray(system.heights(mode, t, x) > 0.0).all(axis=-1)
     return found
 

@@ -53,8 +53,8 @@ class TaylorSolution:
 
     exact = False
     name = (
-        f"Taylor method in double precision, with steps for a tolerance of {_FINE:g} "
-        f"(error estimated by its difference from a run at {_COARSE:g})"
+        "Taylor method in double precision, with steps so short that truncation is negligible "
+        f"(its error is estimated by comparison with a run at tolerance {_COARSE:g})"
     )
 
     def __init__(

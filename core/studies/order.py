@@ -89,6 +89,8 @@ class OrderStudy:
     """Name of the reference solution."""
     size: float = math.nan
     """Largest coordinate of the states compared."""
+    spacing: float = math.nan
+    """Mean time between crossings, up to the last one compared."""
 
     @property
     def fit_above(self) -> Floats:
@@ -117,8 +119,8 @@ class OrderStudy:
 
     @property
     def time_fit_below(self) -> float:
-        """Errors of crossing times below this enter the fits: 0.3 times `size`, or 0.3 if that is less than 1."""
-        return FIT_BELOW * max(self.size, 1.0)
+        """Errors of crossing times below this enter the fits: 0.3 times `spacing`."""
+        return FIT_BELOW * self.spacing
 
     def __repr__(self) -> str:
         slopes = ", ".join(f"{slope:.2f}" for slope in self.state_slope)
@@ -181,6 +183,7 @@ def order_study(
         return _nothing(chosen, steps, numbers)
     times, states = target.times, target.states
     size = float(np.abs(states).max())
+    spacing = float(target.crossing_times[-1] - t0) / numbers[-1]
 
     def run(x0: Floats, setting: Settings) -> _Found:
         return _run(system, chosen, t0, tuple(x0.tolist()), setting, times, numbers)
@@ -191,11 +194,11 @@ def order_study(
     state_error = np.full((1 + len(numbers), len(steps)), np.nan)
 
     def study() -> OrderStudy:
-        time_slope, time_window = _fits(steps, time_error, time_floor, max(size, 1.0))
+        time_slope, time_window = _fits(steps, time_error, time_floor, spacing)
         state_slope, window = _fits(steps, state_error, floor, size)
         return OrderStudy(
             chosen.name, steps, numbers, times, time_error.copy(), state_error.copy(), time_slope, state_slope,
-            time_window, window, floor, time_floor, exact.name, size,
+            time_window, window, floor, time_floor, exact.name, size, spacing,
         )  # fmt: skip
 
     for j, setting in enumerate(settings):

@@ -27,7 +27,7 @@ SYSTEM = PiecewiseSystem(
         Parameter("load", 4.0, (1.0, 20.0), "resistance of the load", "R"),
     ),
     x0=(0.0, 0.3, 1.5),
-    doc="Four ideal diodes lead the current of an alternating source, of voltage v, to a capacitor of voltage u and a "
-    "load in parallel: one pair of diodes conducts where v > u, the other where v < −u. In between all of them block, "
-    "and the load empties the capacitor.",
+    doc="Four diodes, ideal but for a series resistance, rectify the current of an alternating source of voltage v for "
+    "a load and a capacitor of voltage u in parallel: one pair conducts where v > u, the other where v < −u. Otherwise "
+    "all four block, and the capacitor discharges through the load.",
 )

@@ -16,6 +16,6 @@ SYSTEM = PiecewiseSystem(
     parameters=(Parameter("wall", 0.1, (-0.4, 0.6), "distance of the wall from the axis, to the left", "c"),),
     x0=(0.2, 0.1, 0.1, 0.35),
     jump=("x", "y", "-u", "v"),
-    doc="Orbits in the classical potential of Hénon and Heiles (1964), bounded below the energy 1/6, are regular or "
-    "chaotic; an elastic wall at x = −c reflects them and conserves the energy.",
+    doc="In the potential of Hénon and Heiles (1964), orbits in the central well with an energy below 1/6 are bounded, "
+    "and regular or chaotic; an elastic wall at x = −c reflects them and conserves the energy.",
 )

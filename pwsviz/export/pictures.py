@@ -15,7 +15,11 @@ KINDS = ("svg", "pdf", "png")
 
 CHOICES: Mapping[str, tuple[str, tuple[str, ...], int]] = {
     "width": ("Width", ("85 mm", "175 mm", "250 mm"), 1),  # of a column, a page, a slide
-    "height": ("Height at most", ("80 mm", "120 mm", "160 mm", "200 mm"), 2),  # with the caption
+    "height": (
+        "Height at most (long captions add to it)",
+        ("80 mm", "120 mm", "160 mm", "200 mm"),
+        2,
+    ),  # with the caption
     "points": ("Text", ("8 pt", "9 pt", "10 pt", "12 pt"), 1),
     "dpi": ("PNG", ("150 dpi", "300 dpi", "600 dpi"), 1),  # of a screen, and what journals ask of images and of lines
     "look": ("Colours", ("for print", "as on the page"), 0),

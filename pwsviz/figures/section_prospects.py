@@ -26,8 +26,8 @@ def prospects(system: core.PiecewiseSystem) -> str:
         )
     if _conserves(system):
         words.append(
-            "A conserved quantity is constant in each region: the points depend on its initial value, and other starts "
-            "may give others."
+            "The points depend on the initial value of the conserved quantity; other starts may give a different "
+            "section."
         )
     return " ".join(words)
 

@@ -199,7 +199,7 @@ def _bounds(shown: Sequence[Studied]) -> str:
     rows = [row for one in shown for row in one.rows]
     found, below = limits(shown), rounded(min(row.fit_below for row in rows))
     size = f"{FIT_BELOW:g} times the largest |xᵢ| of the reference"
-    of_times = f"{FIT_BELOW:g} times the larger of 1 and the largest |xᵢ| of the reference midway between crossings"
+    of_times = f"{FIT_BELOW:g} times the mean time between crossings"
     upper = of_times if any(map(_of_time, rows)) else f"{size} at these times"
     lower = f"{FIT_ABOVE:g} times accumulated round-off or the error of the reference, whichever is larger"
     if found is None:

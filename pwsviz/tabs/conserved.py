@@ -35,7 +35,7 @@ class ErrorPicture(NamedTuple):
 
 
 DEFINED = "|Δψ| is the change of ψ since the start{apart}."
-APART = ", without the changes that the system itself makes at {met}"
+APART = ", excluding the changes that the system itself makes at {met}"
 """What the axis shows, in a line; captions say more."""
 
 

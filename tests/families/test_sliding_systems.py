@@ -239,3 +239,35 @@ def test_the_end_of_a_slide_on_a_moving_surface_is_exact_and_no_slow_crossing(me
     run = core.integrate(system, (0.0, 2.0), method=method, sliding="continue", **METHODS[method][0])
     assert run.x[-1] == pytest.approx([1.75, 0.125], abs=1e-9)
     assert silent(run), run.message
+
+
+def drawn_beside(rng):
+    """A slide along a wave in time, of which y is moved by both fields in turn: texts, start, and the exact y."""
+    turn, fall, rise, r_minus, r_plus, q1, q2 = rng.uniform(
+        (0.6, 0.5, 0.5, -3, -3, -1, -1), (1.5, 2, 2, 3, 3, 1, 1)
+    ).tolist()
+    met = float(rng.uniform(0.1, 0.4))
+    f_minus = (f"{q1!r} + {q2!r}*cos(t) + {rise!r}*({turn!r} - t)", f"{r_minus!r}*k")
+    f_plus = (f"{q1!r} + {q2!r}*cos(t) - {fall!r}", f"{r_plus!r}*k")
+
+    def slide(t):
+        h_minus, h_plus = rise * (turn - t), -fall
+        return (h_minus * r_plus - h_plus * r_minus) / (h_minus - h_plus)
+
+    y = r_plus * met + float(mp.quad(slide, [met, turn])) + r_minus * (2.0 - turn)
+    g = f"x - {q1!r}*t - {q2!r}*sin(t)"
+    return f_minus, f_plus, g, (fall * met, 0.0), y
+
+
+@pytest.mark.parametrize(
+    ("method", "most"),
+    deep_but(("rk4",), [("rk2", 1e-2), ("rk4", 1e-6), ("gauss4", 1e-6), ("rk8", 1e-9), ("taylor", 1e-11)]),
+)
+def test_where_sliding_on_a_moving_surface_ends_variables_of_any_size_are_not_moved(draws, method, most):
+    for rng in draws(6):
+        f_minus, f_plus, g, x0, exact = drawn_beside(rng)
+        system = core.PiecewiseSystem("beside", ("x", "y"), f_minus, f_plus, g, parameters={"k": 1.0}, x0=x0)
+        for k in (1.0, float(10 ** rng.uniform(-6, 2))):
+            run = core.integrate(system.with_parameters(k=k), (0, 2), method=method, tau=0.02, sliding="continue")
+            assert [str(kind) for kind in run.crossings.kind] == ["sliding", "leaving"], (run.message, k)
+            assert abs(run.x[-1, 1] / k - exact) < most, (k, run.x[-1, 1] / k - exact, system.law_arguments())

@@ -37,3 +37,14 @@ def test_what_is_beyond_a_wall_depends_on_the_parameters_and_on_where_runs_are()
 
 def test_a_start_at_a_wall_is_in_the_regions_on_both_sides():
     assert inhabited(impacts(("0", "-r*v"), x0=(0.0, 1.0))) == {0, 1}
+
+
+def test_beside_a_wall_that_moves_a_late_start_is_judged_at_its_time():
+    f = ("v", "-1")
+    wall = core.PiecewiseSystem(
+        "wall", ("x", "v"), f, f, "x - c*(t - T)", parameters={"T": 1000.0, "c": -0.2}, x0=(1.0, 0.0),
+        jump=("x", "-(v - c) + c"),
+    )  # fmt: skip
+    for height, beyond in ((1.0, False), (-1.0, True)):
+        run = core.integrate(wall, (1000.0, 1001.0), x0=(height, 0.0), method="rk4", tau=0.01)
+        assert ("beyond a wall" in run.message) == beyond

@@ -225,7 +225,8 @@ def test_what_is_round_off_depends_on_the_size_of_psi():
 def test_no_bound_is_praised_where_less_than_a_digit_of_psi_is_right():
     lost = curve([0.0, 2.7e5, 2.7e5, 2.6e5], "rk2", size=6.5e5)
     assert conserved_text([lost]) == (
-        "rk2 does not conserve ψ: max |Δψ| = 2.7×10⁵ (relative: 0.42). “Relative” is to |ψ| + Σ |xᵢ ∂ψ/∂xᵢ|."
+        "rk2 does not conserve ψ: max |Δψ| = 2.7×10⁵ (relative: 0.42). "
+        "“Relative” is to the largest |ψ| + Σ |xᵢ ∂ψ/∂xᵢ|."
     )
 
 

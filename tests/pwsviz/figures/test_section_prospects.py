@@ -5,7 +5,7 @@ import pytest
 import core
 from pwsviz.figures.section_prospects import prospects
 
-FEW, OTHERS = "only a few distinct points remain", "other starts may give others"
+FEW, OTHERS = "only a few distinct points remain", "other starts may give a different section"
 
 
 @pytest.mark.parametrize(
