@@ -75,7 +75,8 @@ def _trial(system: PiecewiseSystem, end: float) -> tuple[int, int]:
     functions, x0 = ScalarFunctions(system, slides=not system.laws.jumps), np.array(system.x0, dtype=float)
     prepared = EXTERNAL_SOLVERS["scipy"].prepare(functions, _TOLERANCE, float(np.abs(x0).max()) or 1.0)
     try:
-        arcs = external_arcs(functions, prepared, 0.0, end, x0, _CROSSINGS, check)
+        with np.errstate(all="ignore"):
+            arcs = external_arcs(functions, prepared, 0.0, end, x0, _CROSSINGS, check)
     except ManyCrossings:
         return _MOST + 1, _CROSSINGS
     except Stopped:  # at a pole, say: what happened until then counts
