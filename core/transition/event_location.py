@@ -255,7 +255,7 @@ def locate_crossing(context, t, begin, h, f_end, r_end):
     # Rounding of g, and of rates over the step, as evaluated at the last crossing.
     rates = max(abs(context.w[RATES]), abs(context.w[RATES + 1]))
     noise = _MARGIN * (context.w[ROUNDING_OF_G] + _EPS * abs(h) * rates)
-    if run.leaving == 1 and -noise <= f_end <= 0.0 and 0.0 <= r * abs(h) <= noise:
+    if run.leaving == 1 and abs(f_end) <= noise and 0.0 <= r * abs(h) <= noise:
         return NONE  # the step is too short to tell whether the state has left the surface
     if run.leaving == 1 and run.shift != 0.0 and (f_end > 0.0 or r_end >= 0.0 or r <= 0.0):
         return NONE  # the perturbation has moved it off the surface, to either side, and it is not back
@@ -268,7 +268,7 @@ def locate_crossing(context, t, begin, h, f_end, r_end):
         if f1 <= 0.0 < f and not low < 0.0 < high:
             run.hit = root(context, t, s, s1, f, f1, r, r1)
             return FOUND if run.hit == run.hit else FAILED
-        if f == 0.0 and -noise <= f1 <= 0.0 and 0.0 <= r * abs(s1 - s) <= noise and depth > 0:
+        if f == 0.0 and abs(f1) <= noise and 0.0 <= r * abs(s1 - s) <= noise and depth > 0:
             s, r = s1, max(r1, 0.0)  # the part is too short to tell whether the state has left the surface
             depth -= 1
             continue

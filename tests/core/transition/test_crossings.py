@@ -207,3 +207,17 @@ def test_the_ball_stops_where_its_bounces_accumulate(method, restitution, bounce
     assert run.t[-1] == pytest.approx(accumulation, rel=EPS * (8 + 0.1 / (1 - restitution) ** 1.0 * 6))
     # The gaps left sum to an eps of the time: e**n ≈ eps (1 − e) / 2 or so.
     assert run.crossing_count == pytest.approx(bounces, rel=0.05)
+
+
+@pytest.mark.parametrize("method", ["rk4", "taylor"])
+def test_crossings_at_the_ends_of_steps_but_for_rounding_end_no_run(method):
+    """What is left of such a step is so short that rounding hides whether it leaves the surface."""
+    system = core.PiecewiseSystem("clock", ("x", "z"), ("1", "0"), ("2", "0"), "sin(pi*t) + z", x0=(0.0, 0.0))
+    for start in np.arange(0.5, 18.0, 1.85):
+        for tau in (0.1, 0.05, 0.2, 0.125, 0.3):
+            run = core.integrate(system, (start, start + 60.0), method=method, tau=tau)
+            case = (start, tau, run.message)
+            assert run.status is core.Status.COMPLETED, case
+            assert run.crossings.t == pytest.approx(np.arange(math.ceil(start), start + 60.0), abs=1e-12), case
+            if method == "taylor":
+                break
