@@ -17,8 +17,8 @@ from pwsviz.widgets.panes import PLAIN_SX, markup_pane
 __all__ = ["ABOUT", "CITATION", "FIRST", "GREETING", "GREETING_CSS", "Help"]
 
 ABOUT = (
-    "Integrate systems whose vector field changes across a surface g = 0, and see which integrators preserve a "
-    "conserved quantity ψ. For teaching and research."
+    "Integrate systems whose vector field changes across a surface, and see what each integrator conserves. "
+    "For teaching and research."
 )
 """What this is, and for whom."""
 
@@ -26,8 +26,8 @@ FIRST = "New here? Choose an example above, or click or tap in the portrait to s
 """The first thing to try; shown until an example is chosen."""
 
 GREETING = (
-    '<p class="greeting">Integrate systems whose vector field changes across a surface, and see what is conserved. '
-    "Tap in the portrait to start a trajectory; examples are behind ☰.</p>"
+    '<p class="greeting">Integrate systems whose vector field changes across a surface. Tap in the portrait to start a '
+    "trajectory; examples are behind ☰.</p>"
 )
 """Both on a narrow screen, above the portrait: the controls are out of sight there. As markup."""
 

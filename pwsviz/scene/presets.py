@@ -191,7 +191,7 @@ def _comparisons() -> tuple[Preset, ...]:
         Preset(
             "kepler", "A planet and a shell of dust", "",
             "Outside the shell its mass attracts, too; prk8 conserves energy and angular momentum to "
-            "within 2×10⁻¹⁵, rk4 does not.",
+            "within 3×10⁻¹⁵, rk4 does not.",
             "Set μ₊ = μ₋: the shell has no mass, and the planet stays on one Kepler ellipse.",
             {"system": "kepler", "methods": ["rk4", "prk8"], "tau": 0.01, "t_end": 60.0, "view": "conserved"},
         ),
