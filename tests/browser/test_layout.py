@@ -239,7 +239,7 @@ def test_on_a_phone_the_words_on_a_run_that_blows_up_stand_between_the_portrait_
 
 @pytest.mark.deep
 def test_on_a_phone_the_first_screen_says_what_the_page_is_and_what_to_try(phone):
-    words = phone.get_by_text(re.compile("see what is conserved.*Tap in the portrait")).locator("visible=true")
+    words = phone.get_by_text(re.compile("across a surface.*Tap in the portrait")).locator("visible=true")
     assert words.count() == 1
     assert words.bounding_box()["y"] < canvas(phone, "Phase portrait").bounding_box()["y"]
 
@@ -371,7 +371,7 @@ def test_a_lecture_names_the_system_in_place_of_what_the_page_is(visit):
     page = visit(1920, 1080, query="v=2&system=kepler")
     await_painted(page, "Phase portrait")
     name = page.locator("header").get_by_text("Kepler with a shell")
-    purpose = page.locator("header").get_by_text(re.compile("for teaching and research"))
+    purpose = page.locator("header").get_by_text(re.compile("For teaching and research"))
     assert (name.is_visible(), purpose.is_visible()) == (False, True)
     page.keyboard.press("l")
     assert becomes(page, lambda: (name.is_visible(), purpose.is_visible()) == (True, False))
