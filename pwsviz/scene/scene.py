@@ -132,7 +132,7 @@ class Scene(param.Parameterized):
         self.loads = 0
         super().__init__(**params)
         chosen = self.declaration
-        missing = {"values": dict(chosen.values), "starts": (chosen.x0,), **self._times_of_system()}
+        missing = {"values": dict(chosen.values), "starts": (chosen.x0,), **self._taken_times(self._usual_times())}
         self.param.update(**{name: value for name, value in missing.items() if name not in params})
 
     # Reading it ------------------------------------------------------------------------------------------------------
@@ -243,8 +243,7 @@ class Scene(param.Parameterized):
         changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": None, "window": None}
         checked_start(system, 0.0, system.x0)
         with self._without_defaults():
-            self._show(system, own=system, system=OWN, **changes)
-        self.param.update(**self._times_of_system())
+            self._show(system, own=system, system=OWN, **changes, **self._taken_times(times_of(OWN, system)))
 
     @param.depends("system", watch=True)
     def _start_afresh(self) -> None:
@@ -255,7 +254,7 @@ class Scene(param.Parameterized):
         chosen = self.declaration
         self._show(
             chosen, values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=None, window=None,
-            **self._times_of_system(),
+            **self._taken_times(self._usual_times()),
         )  # fmt: skip
 
     @param.depends("axes", watch=True)
@@ -287,14 +286,13 @@ class Scene(param.Parameterized):
     def _usual_times(self) -> Times:
         return times_of(str(self.system), self.own if self.system == OWN else None)
 
-    def _times_of_system(self) -> dict[str, float]:
-        """Return the system's own step size and end time.
+    def _taken_times(self, now: Times) -> dict[str, float]:
+        """Return step size and end time for a system of which those of its own are given.
 
         What the person chose instead of those of the system before stays, but not from the catalogue to a system of
         the user's own, or back: they may differ by powers of ten. The end time is reached in at most `MAX_STEPS` steps.
         """
-        before, now = self._times, self._usual_times()
-        self._times = now
+        before, self._times = self._times, now
         chosen = Times(self.tau, self.t_end, now.own) if before.own == now.own else before
         tau = now.tau if chosen.tau == before.tau else chosen.tau
         t_end = min(now.t_end, tau * MAX_STEPS) if chosen.t_end == before.t_end else chosen.t_end

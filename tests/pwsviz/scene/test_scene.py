@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import core
 from pwsviz.scene.checks import MAX_STARTS
+from pwsviz.scene.history import History
 from pwsviz.scene.names import short_name
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS, number, require_few_steps
@@ -201,6 +202,14 @@ def test_a_system_of_ones_own_brings_a_step_size_and_an_end_time_of_its_scale_wh
     scene.accept_times(5e-3, 30.0)
     scene.use(_oscillator(1.0))
     assert (scene.tau, scene.t_end) == (1e-2, 20.0)
+
+
+def test_a_system_of_ones_own_and_its_times_are_one_step_to_undo():
+    scene = Scene()
+    history, before = History(scene), scene.settings()
+    scene.use(_oscillator(1e4))
+    history.undo()
+    assert scene.settings() == before | {"own": scene.own}
 
 
 def test_the_step_size_that_a_person_chose_stays_with_the_systems_of_the_catalogue():
