@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import core
 from pwsviz.export.columns import by_name
 from pwsviz.export.files import Tables
-from pwsviz.geometry.projection import Axes
+from pwsviz.geometry.plane import Plane
 from pwsviz.geometry.section_plane import angles
 from pwsviz.results.orbits import Orbit
 from pwsviz.results.requests import RunInputs
@@ -82,19 +82,21 @@ def drawn_table(pictures: Pictures) -> Tables:
     variables = pictures.inputs.selected[0].problem.declaration.variables
     starts = [number for number, _ in pictures.numbered]
 
-    def drawn(axes: Axes, orbits: Sequence[Orbit]) -> Columns:
+    def drawn(plane: Plane, orbits: Sequence[Orbit]) -> Columns:
         numbered = sorted(zip(starts, orbits, strict=True), key=lambda one: one[0])
         lengths = [len(orbit.path) for _, orbit in numbered]
         return {
             "start": np.repeat([number for number, _ in numbered], lengths),
             "integrator": np.repeat([orbit.method for _, orbit in numbered], lengths),
-            **by_name([variables[k] for k in axes], np.concatenate([o.path for _, o in numbered]).T),
+            **by_name(
+                [variables[k] for k in plane.axes], plane.values(np.concatenate([o.path for _, o in numbered])).T
+            ),
         }
 
     alongside = {
-        f"drawn {' '.join(variables[k] for k in one)}": (one, orbits) for one, orbits in pictures.alongside.items()
+        f"drawn {' '.join(variables[k] for k in one.axes)}": (one, orbits) for one, orbits in pictures.alongside.items()
     }
-    whole = {"drawn": (pictures.axes, [*pictures.orbits, *pictures.others])} | alongside
+    whole = {"drawn": (pictures.plane, [*pictures.orbits, *pictures.others])} | alongside
     return {name: partial(drawn, *given) for name, given in whole.items()}
 
 

@@ -39,8 +39,8 @@ def extent(pictures: Pictures) -> Window:
         [orbit.focus for orbit in given if not (orbit.runs_off and stay)]
         for given in (pictures.orbits, pictures.thin[:: len(pictures.orbits)])
     )
-    system, axes = pictures.system, pictures.axes
-    surface = closed_surface(system, Window.around(base.focus).scaled(COMPARABLE), axes)
+    system = pictures.system
+    surface = closed_surface(system, Window.around(base.focus).scaled(COMPARABLE), pictures.plane)
     first = Window.around(np.concatenate([base.focus, surface]))
     points = np.concatenate([base.focus, surface, *orbits])
     there = np.concatenate([np.empty((0, 2)), *others])

@@ -26,7 +26,7 @@ from pwsviz.figures.style import assign, ranges, tips, unseen
 from pwsviz.geometry.hiding import any_seen, unhidden
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import Axes, surface_name
+from pwsviz.geometry.projection import surface_name
 from pwsviz.geometry.shades import shade_names
 from pwsviz.geometry.walls import NO_LAW
 from pwsviz.geometry.window import Window
@@ -178,7 +178,7 @@ class Ground:
     def _lines(self, side: int) -> list[ColumnDataSource]:
         return [self.levels[side], self.orbit_levels[side], self.arrows[side]]
 
-    def name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
+    def name(self, system: core.PiecewiseSystem) -> None:
         """Name the surface in the legend, if it is drawn; several of them in the figure, too."""
         self._surface_entry.label = value(surface_name(system))
         self._surface_labels = surface_labels(system)

@@ -119,9 +119,12 @@ const { x, y } = cb_obj, [across, up] = ranges
 const inside = across.start <= x && x <= across.end && up.start <= y && y <= up.end
 const words = []
 if (inside && cb_obj.event_name != "mouseleave") {
-  const digits = Math.min(20, Math.max(0, Math.ceil(2.5 - Math.log10(across.end - across.start))))
-  const fixed = value => printed((Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits))
-  words.push(`${formulas.data.across[0]} = ${fixed(x)}, ${formulas.data.up[0]} = ${fixed(y)}`)
+  const fixed = (drawn, unit) => {
+    const digits = Math.min(20, Math.max(0, Math.ceil(2.5 - Math.log10((across.end - across.start) * unit))))
+    return printed((Math.abs(drawn * unit) < 0.5 * 10 ** -digits ? 0 : drawn * unit).toFixed(digits))
+  }
+  const [of_x, of_y] = given?.units ?? [1, 1]
+  words.push(`${formulas.data.across[0]} = ${fixed(x, of_x)}, ${formulas.data.up[0]} = ${fixed(y, of_y)}`)
   const t = clock.data.t[0], signs = heights.map(height => Math.sign(height?.(x, y, t)))
   const region = (given?.regions ?? []).find(([sides]) => sides.every((sign, k) => sign == signs[k]))
   if (region != null) {

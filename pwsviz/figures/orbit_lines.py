@@ -75,9 +75,9 @@ def alongside_columns(system: core.PiecewiseSystem, pictures: Pictures, view: Wi
         return columns
     paths = np.concatenate([orbit.path for orbit in (*pictures.orbits, *pictures.thin)])
     window, each = view or Window.around(paths), len(pictures.orbits)
-    for plane, orbits in {pictures.axes: pictures.orbits[:1], **pictures.alongside}.items():
-        name = ", ".join(variable_name(system.variables[k]) for k in plane)
-        size = 0 if plane == pictures.axes else ALONGSIDE_SIZE
+    for plane, orbits in {pictures.plane: pictures.orbits[:1], **pictures.alongside}.items():
+        name = ", ".join(variable_name(system.variables[k]) for k in plane.axes)
+        size = 0 if plane == pictures.plane else ALONGSIDE_SIZE
         for k, orbit in enumerate(orbits[::each]):
             side = _free_side(orbit.start, paths, window)
             row = {"x": orbit.start[0], "y": orbit.start[1], "size": size, "label": "" if k else name, **side}

@@ -45,7 +45,8 @@ from pwsviz.figures.style import (
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.first_view import with_room
 from pwsviz.geometry.phase_plane import Backdrop
-from pwsviz.geometry.projection import Axes, axis_labels
+from pwsviz.geometry.plane import XY, Plane
+from pwsviz.geometry.projection import axis_labels
 from pwsviz.geometry.window import Window
 from pwsviz.results.results import Pictures
 from pwsviz.text.math_names import variable_name
@@ -127,7 +128,7 @@ class PortraitView:
         self.frame: Window | None = None
         self._pictures: Pictures | None = None
         self._names = ("x", "y")
-        self._named: tuple[core.PiecewiseSystem, Axes] | None = None
+        self._named: tuple[core.PiecewiseSystem, Plane] | None = None
         self._visible: Window | None = None
         self._heard = 0
 
@@ -313,14 +314,13 @@ class PortraitView:
         system : core.PiecewiseSystem
             The system.
         pictures : Pictures
-            The curves, in the plane of ``pictures.axes``.
+            The curves, in their plane.
         starts : sequence of (float, float)
             The present starts in that plane; the user may have moved them since the curves were submitted.
         selected : int
             Index of the selected start.
         """
-        axes = pictures.axes
-        self._name(system, axes)
+        self._name(system, pictures.plane)
         view = self._visible or self.frame
         self.orbits.data = curve_columns(pictures.orbits, view)
         show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
@@ -356,7 +356,7 @@ class PortraitView:
         self, system: core.PiecewiseSystem, backdrop: Backdrop, window: Window, starts: Sequence[tuple[float, float]]
     ) -> None:
         """Draw what is known of a system of two variables before any trajectory is: field, surface and starts."""
-        self._name(system, (0, 1))
+        self._name(system, XY)
         marked = crossing_columns([], 1)
         self.marks.name(marked)
         assign(self.crossings, **marked)
@@ -403,14 +403,15 @@ class PortraitView:
             if len(widths) == len(source.data["width"]) and widths != list(source.data["width"]):
                 source.patch({"width": list(enumerate(widths))})
 
-    def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
+    def _name(self, system: core.PiecewiseSystem, plane: Plane) -> None:
         """Label the axes, and show only what is drawn in the legend; each change rebuilds parts of the figure."""
-        if self._named == (system, axes):
+        if self._named == (system, plane):
             return
-        self._named = system, axes
-        self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system, axes)
-        self._names = variable_name(system.variables[axes[0]]), variable_name(system.variables[axes[1]])
-        self.ground.name(system, axes)
+        self._named = system, plane
+        self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system, plane)
+        a, b = plane.axes
+        self._names = variable_name(system.variables[a]), variable_name(system.variables[b])
+        self.ground.name(system)
 
     def fit(self) -> None:
         """Let the view show the trajectories drawn last."""

@@ -9,9 +9,9 @@ import numpy as np
 
 import core
 from pwsviz.figures.marks import ENDS, left_out
+from pwsviz.geometry.plane import Axes, Plane
 from pwsviz.geometry.projection import (
     PLANE,
-    Axes,
     forced,
     is_divided,
     moves,
@@ -60,24 +60,25 @@ def portrait_text(
     system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
 ) -> str:
     """Return what the portrait shows, in sentences for screen readers."""
-    across, up = (variable_name(system.variables[k]) for k in pictures.axes)
-    x, y = (coordinate + 0.0 for coordinate in starts[selected])  # without the sign of −0
+    across, up = (variable_name(system.variables[k]) for k in pictures.plane.axes)
+    (at,) = pictures.plane.values(np.array([starts[selected]]))
+    x, y = (coordinate + 0.0 for coordinate in at.tolist())  # without the sign of −0
     count = len(starts)
     which = "one trajectory, which starts" if count == 1 else f"{count} trajectories; number {selected + 1} starts"
     met = "; ".join(f"{one.method}: {one.course}" for one in pictures.summaries)
-    shape = "".join(f" {_shape(orbit, across, up)}" for orbit in pictures.orbits[:1])
+    shape = "".join(f" {_shape(orbit, pictures.plane, across, up)}" for orbit in pictures.orbits[:1])
     return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {met}.{shape}"
 
 
-def _shape(orbit: Orbit, across: str, up: str) -> str:
+def _shape(orbit: Orbit, plane: Plane, across: str, up: str) -> str:
     """Return how far a curve reaches, and where it meets a surface, in sentences."""
     if not np.isfinite(orbit.path).any():
         return ""
-    ends = np.array([np.nanmin(orbit.path, axis=0), np.nanmax(orbit.path, axis=0)])
+    ends = plane.values(np.array([np.nanmin(orbit.path, axis=0), np.nanmax(orbit.path, axis=0)]))
     least = ROUNDING * np.abs(ends).max(axis=0)
     (x_low, y_low), (x_high, y_high) = np.where(np.abs(ends) > least, ends, 0.0).tolist()
     reach = f"{across} from {x_low:.3g} to {x_high:.3g}, {up} from {y_low:.3g} to {y_high:.3g}"
-    met = orbit.crossings[:FEW_PLACES]
+    met = plane.values(orbit.crossings[:FEW_PLACES])
     places = [f"({a:.3g}, {b:.3g})" for a, b in np.where(np.abs(met) > least, met, 0.0).tolist()]
     more = ["elsewhere"] * (len(orbit.crossings) > FEW_PLACES)
     where = f" It meets a surface at {listed([*places, *more])}." * bool(places)

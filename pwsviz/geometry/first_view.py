@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 import core
 from core.diagnostics import inhabited
+from pwsviz.geometry.plane import Axes
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import PLANE, Axes, is_divided, planes, surfaces_shown
+from pwsviz.geometry.projection import PLANE, is_divided, planes, surfaces_shown
 from pwsviz.geometry.window import Window
 
 __all__ = ["first_plane", "with_room"]

@@ -9,7 +9,8 @@ import sympy
 
 import core
 from core.symbolic import TIME, Mode
-from pwsviz.geometry.projection import PLANE, Axes, forced, moves, shows_regions, surfaces_shown
+from pwsviz.geometry.plane import Plane
+from pwsviz.geometry.projection import PLANE, forced, moves, shows_regions, surfaces_shown
 from pwsviz.geometry.shades import region_name
 from pwsviz.geometry.walls import bare_name
 from pwsviz.text.math_names import quantity_name, unicode_name
@@ -46,15 +47,15 @@ def tree(expression: sympy.Expr, names: Mapping[sympy.Expr, Tree]) -> Tree | Non
     return None if name is None or None in parts or not parts else [name, *parts]
 
 
-def formulas(system: core.PiecewiseSystem, axes: Axes, there: Collection[int]) -> dict[str, Any]:
+def formulas(system: core.PiecewiseSystem, plane: Plane, there: Collection[int]) -> dict[str, Any]:
     """Return what can be evaluated at a point of the plane (x, y) and a time t.
 
     Parameters
     ----------
     system : core.PiecewiseSystem
         The system.
-    axes : (int, int)
-        The variables that span the plane.
+    plane : Plane
+        The two variables that span it, and their units.
     there : collection of int
         Numbers of the regions in which a state may be.
 
@@ -64,15 +65,16 @@ def formulas(system: core.PiecewiseSystem, axes: Axes, there: Collection[int]) -
         "g": for each surface, a tree in the names x, y and t, or None where its value is not known from the two shown
         variables; "regions": for each of these the signs of the surfaces in it, its name, the name of its first ψ, and
         a tree of that or None; "bare": the name of the rest of the plane, "" for none; "moving" and "forced": whether a
-        g, and whether a field depends on time.
+        g, and whether a field depends on time; "units": of the two shown variables.
     """
     laws = system.laws
-    across, up = (laws.x[k] for k in axes)
+    across, up = (laws.x[k] for k in plane.axes)
+    x, y = (name if unit == 1.0 else ["mul", unit, name] for name, unit in zip("xy", plane.units, strict=True))
     numbers = {symbol: float(value) for symbol, value in zip(laws.p, system.parameter_array, strict=True)}
-    names: dict[sympy.Expr, Tree] = {across: "x", up: "y", TIME: "t", **numbers}
+    names: dict[sympy.Expr, Tree] = {across: x, up: y, TIME: "t", **numbers}
     flat = system.dimension == PLANE
     psi = [mode.conserved[:1] if flat else () for mode in laws.regions]
-    known, told = surfaces_shown(system, axes), shows_regions(system, axes)
+    known, told = surfaces_shown(system, plane.axes), shows_regions(system, plane.axes)
     return {
         "g": [tree(g, names) if k in known else None for k, g in enumerate(laws.surfaces)],
         "regions": [
@@ -82,6 +84,7 @@ def formulas(system: core.PiecewiseSystem, axes: Axes, there: Collection[int]) -
         "bare": bare_name(system, there),
         "moving": moves(system),
         "forced": forced(system),
+        "units": list(plane.units),
     }  # fmt: skip
 
 

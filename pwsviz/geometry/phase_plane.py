@@ -15,9 +15,9 @@ import core
 from core.diagnostics import inhabited
 from pwsviz.geometry.formulas import formulas
 from pwsviz.geometry.line_pieces import area, cut, joined, pieces, resampled, with_value
+from pwsviz.geometry.plane import XY, Plane
 from pwsviz.geometry.polyline_reduction import Floats, simplify
 from pwsviz.geometry.projection import (
-    Axes,
     moves,
     shows_field,
     shows_levels,
@@ -99,7 +99,7 @@ class Backdrop:
 
 
 def backdrop(
-    system: core.PiecewiseSystem, window: Window, orbits: dict[int, tuple[float, ...]], axes: Axes = (0, 1)
+    system: core.PiecewiseSystem, window: Window, orbits: dict[int, tuple[float, ...]], plane: Plane = XY
 ) -> Backdrop:
     """Trace what depends only on the system and the window, at t = 0.
 
@@ -111,55 +111,55 @@ def backdrop(
         The part of the plane to cover.
     orbits : dict
         Values of ψ of the visible orbits in each region where these are, by its number.
-    axes : (int, int)
-        The variables that span the plane.
+    plane : Plane
+        The two variables that span it, and their units.
     """
-    plane, there = _Plane(system, window, axes), inhabited(system, orbits)
+    grid, there = _Grid(system, window, plane), inhabited(system, orbits)
     shades = {shade: [mode for mode in regions_of(system, shade) if mode in there] for shade in (-1, 1)}
-    rings = plane.rings(shades[-1])
-    bare = plane.rings(sorted(there), outside=True) if bare_name(system, there) else []
+    rings = grid.rings(shades[-1])
+    bare = grid.rings(sorted(there), outside=True) if bare_name(system, there) else []
     return Backdrop(
         window=window,
-        surface=plane.surface(),
-        attracting=plane.where_both_point(1),
-        repelling=plane.where_both_point(-1),
+        surface=grid.surface(),
+        attracting=grid.where_both_point(1),
+        repelling=grid.where_both_point(-1),
         minus_outer=[ring[0] for ring in rings],
         minus_holes=[ring[1:] for ring in rings],
         bare_outer=[ring[0] for ring in bare],
         bare_holes=[ring[1:] for ring in bare],
-        arrows={side: np.concatenate([*map(plane.arrows, modes), joined([])]) for side, modes in shades.items()},
-        levels={side: joined(map(plane.usual_level_sets, modes), 3) for side, modes in shades.items()},
+        arrows={side: np.concatenate([*map(grid.arrows, modes), joined([])]) for side, modes in shades.items()},
+        levels={side: joined(map(grid.usual_level_sets, modes), 3) for side, modes in shades.items()},
         orbit_levels={
-            side: joined((plane.level_sets(mode, orbits.get(mode, ())) for mode in modes), 3)
+            side: joined((grid.level_sets(mode, orbits.get(mode, ())) for mode in modes), 3)
             for side, modes in shades.items()
         },
         whole={
-            side: plane.whole(modes[0], orbits.get(modes[0], ()))
+            side: grid.whole(modes[0], orbits.get(modes[0], ()))
             for side, modes in shades.items()
             if moves(system) and system.two_sided and modes
         },
-        formulas=formulas(system, axes, there),
+        formulas=formulas(system, plane, there),
     )
 
 
-def closed_surface(system: core.PiecewiseSystem, window: Window, axes: Axes = (0, 1)) -> Floats:
+def closed_surface(system: core.PiecewiseSystem, window: Window, plane: Plane = XY) -> Floats:
     """Return the points (k, 2) of the pieces of the surface that are closed curves within a window."""
-    lines = pieces(_Plane(system, window, axes).surface())
+    lines = pieces(_Grid(system, window, plane).surface())
     loops = [line for line in lines if len(line) > 3 and np.array_equal(line[0], line[-1])]
     return np.concatenate([*loops, np.empty((0, 2))])
 
 
-class _Plane:
+class _Grid:
     """The functions of the system on a grid over the window."""
 
-    def __init__(self, system: core.PiecewiseSystem, window: Window, axes: Axes) -> None:
+    def __init__(self, system: core.PiecewiseSystem, window: Window, plane: Plane) -> None:
         self.system = system
         self.window = window
-        self.axes = axes
+        self.plane = plane
         self.side = max(min(window.width, window.height), window.longest / SLENDER)  # to which lines are fine
         self.x, self.y = self._axes(self.side / GRID)
         self.grid = self._states(*np.meshgrid(self.x, self.y))
-        self.shown = surfaces_shown(system, axes)
+        self.shown = surfaces_shown(system, plane.axes)
         # What several parts of the picture need, computed once:
         self._psi, self._levels = cache(self._conserved), cache(self._level_contours)
         self._inside, self._surface = cache(self._heights), cache(self._traced_surface)
@@ -173,7 +173,8 @@ class _Plane:
     def _states(self, x: Floats, y: Floats) -> Floats:
         """Return states over points of the plane; further variables are 0, as nothing drawn depends on them."""
         states = np.zeros((*x.shape, self.system.dimension))
-        states[..., self.axes[0]], states[..., self.axes[1]] = x, y
+        (a, b), (across, up) = self.plane
+        states[..., a], states[..., b] = x * across, y * up
         return states
 
     def _switching(self, k: int) -> Floats:
@@ -262,7 +263,7 @@ class _Plane:
 
     def rings(self, modes: list[int], outside: bool = False) -> list[list[Floats]]:
         """Return the outlines of regions, or of the plane outside them, each followed by those of its holes."""
-        if not modes or not shows_regions(self.system, self.axes):
+        if not modes or not shows_regions(self.system, self.plane.axes):
             return []
         height = np.max([self._inside(mode) for mode in modes], axis=0)
         values = height if outside else -height
@@ -323,7 +324,8 @@ class _Plane:
         x, y = (values.ravel() for values in np.meshgrid(*self._axes(self.window.longest / ARROWS)))
         with np.errstate(all="ignore"):
             field = np.asarray(self.system.field(self.system.laws.name(mode), 0.0, self._states(x, y)))
-            u, v = (field[:, self.axes] / np.linalg.norm(field, axis=1, keepdims=True)).T
+            drawn = self.plane.points(field)
+            u, v = (drawn / np.linalg.norm(drawn, axis=1, keepdims=True)).T
         flows = np.isfinite(u) & np.isfinite(v)
         lines = _arrow_lines(x[flows], y[flows], u[flows], v[flows], self._arrow_length())
         return lines, np.column_stack([x[flows], y[flows]])

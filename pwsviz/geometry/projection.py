@@ -14,10 +14,11 @@ from typing import TypeVar
 import sympy
 
 import core
-from core.kernels import Floats
 from core.symbolic import TIME, parse, to_text
+from pwsviz.geometry.plane import Axes, Plane
 from pwsviz.geometry.shades import region_name
 from pwsviz.text.math_names import variable_name
+from pwsviz.text.numbers import printed
 
 Name = TypeVar("Name")
 
@@ -25,9 +26,6 @@ PLANE = 2
 """Dimension of a portrait."""
 
 _NUMBERED = re.compile(r"(\D+)(\d+)")
-
-Axes = tuple[int, int]
-"""The two variables, by number, that span the portrait."""
 
 
 def planes(system: core.PiecewiseSystem) -> list[Axes]:
@@ -50,12 +48,6 @@ def planes_alike(system: core.PiecewiseSystem, axes: Axes) -> list[Axes]:
     place = {(found[1], found[2]): k for k, found in enumerate(named) if found is not None}
     numbers = [number for letters, number in place if letters == across[1] and number != across[2]]
     return [(place[across[1], n], place[up[1], n]) for n in numbers if (up[1], n) in place]
-
-
-def in_plane(x: Floats, axes: Axes) -> Floats:
-    """Return the two shown coordinates (n, 2) of states (n, d), without a copy where possible."""
-    a, b = axes
-    return x[:, a : b + 1 : b - a] if a < b else x[:, (a, b)]
 
 
 def surfaces_shown(system: core.PiecewiseSystem, axes: Axes) -> list[int]:
@@ -108,12 +100,13 @@ def surface_texts(system: core.PiecewiseSystem) -> tuple[str, ...]:
     return tuple(texts.get(g) or to_text(g) for g in system.laws.surfaces)
 
 
-def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
-    """Return the labels of the axes of the portrait."""
+def axis_labels(system: core.PiecewiseSystem, plane: Plane) -> tuple[str, str]:
+    """Return the labels of the axes of the portrait, with the unit of a variable that has one: y / 10³."""
     names = list(map(variable_name, system.variables))
-    drawn = [axes, *planes_alike(system, axes)]
-    across, up = (", ".join(names[plane[k]] for plane in drawn) for k in (0, 1))
-    others = [name for k, name in enumerate(names) if all(k not in plane for plane in drawn)]
+    drawn = [plane.axes, *planes_alike(system, plane.axes)]
+    units = [f" / {unit:.0e}" if unit != 1.0 else "" for unit in plane.units]
+    across, up = (printed(", ".join(names[axes[k]] + unit for axes in drawn)) for k, unit in enumerate(units))
+    others = [name for k, name in enumerate(names) if all(k not in axes for axes in drawn)]
     if not others:
         return across, up
     hidden = min(", ".join(others), f"{len(others)} other variables", key=len)

@@ -128,12 +128,12 @@ def portrait_of_a_fresh_page(results: Results) -> str:
     scene = Scene()
     pictures = results.pictures(PortraitInputs.of(scene))
     view = PortraitView(*[_unheard] * 5)
-    a, b = pictures.axes
-    view.show_orbits(scene.declaration, pictures, [(start[a], start[b]) for start in scene.starts], scene.selected)
+    starts = list(map(pictures.plane.place, scene.starts))
+    view.show_orbits(scene.declaration, pictures, starts, scene.selected)
     view.fit()
     assert view.frame is not None  # noqa: S101  (it fits the orbits just shown)
     problem, levels = pictures.inputs.selected[0].problem, pictures.orbits[0].levels
-    view.show_backdrop(results.backdrop(problem, view.frame.scaled(1.5).surroundings(), levels, pictures.axes))
+    view.show_backdrop(results.backdrop(problem, view.frame.scaled(1.5).surroundings(), levels, pictures.plane))
     return still(view.figure, view.frame)
 
 

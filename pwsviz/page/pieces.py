@@ -27,7 +27,11 @@ def pieces_of(scene: Scene, results: Results, panel: PortraitPanel, view: Tab) -
         all_runs = drawn_runs(shown.inputs, scene.selected, results.run)
         tables, runs = {**portrait_tables(all_runs), **drawn_table(shown)}, list(all_runs())
         meaning = _meaning(scene, panel, shown)
-        said: dict[str, Any] = {"meaning": meaning, "key": bodies_text(scene.declaration, shown.axes), **_course(runs)}
+        said: dict[str, Any] = {
+            "meaning": meaning,
+            "key": bodies_text(scene.declaration, shown.plane.axes),
+            **_course(runs),
+        }
         portrait = Piece("Phase portrait", tables, [panel.portrait.figure], **said)
     title = VIEWS[scene.view].title
     if view.outcome is None or view.shown != view.inputs():
@@ -48,7 +52,7 @@ def _meaning(scene: Scene, panel: PortraitPanel, shown: Pictures) -> str:
         marks_text(shown),
         "Dash-dotted lines join the states before and after jumps." * panel.portrait.joins_jumps,
         STEPS_MARKED * panel.portrait.marks_steps,
-        portrait_note(scene.declaration, shown.axes, caption=True),
+        portrait_note(scene.declaration, shown.plane.axes, caption=True),
     ]
     return " ".join(filter(None, told))
 

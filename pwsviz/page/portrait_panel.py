@@ -6,13 +6,15 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.portrait_text import figures_of, law_markup, parted_words, portrait_note, which_start
 from pwsviz.figures.summaries import run_lines, run_words
 from pwsviz.geometry.phase_plane import Backdrop
-from pwsviz.geometry.projection import PLANE, Axes
+from pwsviz.geometry.plane import XY, Plane
+from pwsviz.geometry.projection import PLANE
 from pwsviz.geometry.window import Window
 from pwsviz.page.player import Player
 from pwsviz.page.starts_by_hand import StartsByHand, digits_of
@@ -201,7 +203,7 @@ class PortraitPanel(pn.viewable.Viewer):
     def _draw(self, outcome: Pictures) -> None:
         self.trouble.object = ""
         fade(self.pane, past=False)
-        system, axes = outcome.inputs.declaration, outcome.axes
+        system, axes = outcome.inputs.declaration, outcome.plane.axes
         self.shown = outcome
         self._mark_starts()
         self._aim_first(outcome)
@@ -271,7 +273,7 @@ class PortraitPanel(pn.viewable.Viewer):
         """
         self._told, before, self._covered = self.scene.window, self.portrait.frame, None
         if self.scene.window is not None:
-            self.portrait.look_at(Window(*self.scene.window))
+            self.portrait.look_at(self._drawn(self.scene.window))
         elif usual is not None:
             self.portrait.look_at(usual)
         else:
@@ -282,10 +284,19 @@ class PortraitPanel(pn.viewable.Viewer):
         self.limits.sync()
 
     def _seen(self) -> Ends:
-        """Return the ends of what is visible, rounded to about a pixel."""
+        """Return the ends of what is visible, as values of the two variables, rounded to about a pixel."""
         seen = self._visible or self.portrait.frame or Window(-1.0, 1.0, -1.0, 1.0)
-        digits = digits_of(seen)
-        return tuple(round(end, digits) for end in seen)
+        plane = self.shown.plane if self.shown is not None else XY
+        ends = plane.values(np.array([seen[::2], seen[1::2]])).T.tolist()
+        return tuple(
+            round(end, digits) for pair, digits in zip(ends, digits_of(seen, plane), strict=True) for end in pair
+        )
+
+    def _drawn(self, ends: Ends) -> Window:
+        """Return the window with these ends, which are values of the two variables."""
+        across, up = self.shown.plane.units if self.shown is not None else XY.units
+        left, right, low, high = ends
+        return Window(left / across, right / across, low / up, high / up)
 
     def fit(self) -> None:
         """Let the view show the present trajectories; again when they are computed, if they are not yet."""
@@ -311,8 +322,7 @@ class PortraitPanel(pn.viewable.Viewer):
     def _mark_starts(self) -> None:
         """Draw the present curves, with the starts of the scene."""
         assert self.shown is not None  # noqa: S101  (called only after the first portrait)
-        a, b = self.shown.axes
-        starts = [(start[a], start[b]) for start in self.scene.starts]
+        starts = list(map(self.shown.plane.place, self.scene.starts))
         self.portrait.show_orbits(self.shown.inputs.declaration, self.shown, starts, self.scene.selected)
 
     def _submit_frames(self) -> None:
@@ -321,7 +331,7 @@ class PortraitPanel(pn.viewable.Viewer):
             self.scheduler.forget("frames")
         elif self.shown is not None:
             shown = self.shown.inputs
-            inputs = (*shown.selected, *shown.others), self.shown.axes
+            inputs = (*shown.selected, *shown.others), self.shown.plane
             self.scheduler.submit(
                 "frames",
                 inputs,
@@ -354,7 +364,7 @@ class PortraitPanel(pn.viewable.Viewer):
         visible = self._visible or frame
         if visible is None:
             return None
-        at_rest = frame if kept is None else Window(*kept)
+        at_rest = frame if kept is None else self._drawn(kept)
         offered = [at_rest.surroundings()] if at_rest is not None else []
         offered += [self._covered] if self._covered is not None else []
         return next((one for one in offered if one.shows_well(visible)), visible.surroundings())
@@ -386,11 +396,11 @@ class PortraitPanel(pn.viewable.Viewer):
 
     # What the user does in the portrait ------------------------------------------------------------------------------
 
-    def _plane(self) -> tuple[Window, Axes]:
-        """Return what is visible, and the variables that span it."""
+    def _plane(self) -> tuple[Window, Plane]:
+        """Return what is visible, and the variables that span it with their units."""
         view = self._visible or self.portrait.frame
         assert view is not None  # noqa: S101  (a click needs a picture)
-        return view, self.shown.axes if self.shown is not None else (0, 1)
+        return view, self.shown.plane if self.shown is not None else XY
 
     def _refuse(self, reason: ValueError) -> None:
         """Say why nothing can start there, and put back a star that was dropped there."""
@@ -427,8 +437,8 @@ def around(starts: Sequence[Start]) -> Window:
     return Window(-half, half, -half, half)
 
 
-def _ground_of(shown: Pictures, window: Window) -> tuple[InitialValueProblem, Window, Levels, Axes]:
+def _ground_of(shown: Pictures, window: Window) -> tuple[InitialValueProblem, Window, Levels, Plane]:
     """Return the arguments of `Results.backdrop` for these curves."""
     levels = shown.orbits[0].levels  # of one integrator only: one that drifts has a new level each turn
     met = {mode for orbit in shown.others for mode, _ in orbit.levels} - dict(levels).keys()
-    return shown.inputs.selected[0].problem, window, (*levels, *((mode, ()) for mode in sorted(met))), shown.axes
+    return shown.inputs.selected[0].problem, window, (*levels, *((mode, ()) for mode in sorted(met))), shown.plane

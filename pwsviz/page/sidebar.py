@@ -12,7 +12,8 @@ import panel_material_ui as pmui
 
 import core
 from pwsviz.figures.summaries import method_notes
-from pwsviz.geometry.projection import PLANE, Axes, planes
+from pwsviz.geometry.plane import Axes
+from pwsviz.geometry.projection import PLANE, planes
 from pwsviz.page.help import FIRST
 from pwsviz.page.initial_states import Trajectories
 from pwsviz.scene.checks import OWN

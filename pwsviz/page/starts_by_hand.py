@@ -6,7 +6,9 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from pwsviz.geometry.projection import Axes
+import numpy as np
+
+from pwsviz.geometry.plane import XY, Plane
 from pwsviz.geometry.window import Window
 from pwsviz.scene.checks import Start
 from pwsviz.scene.scene import Scene
@@ -22,13 +24,13 @@ class StartsByHand:
     scene : Scene
         The settings.
     plane : callable
-        Returns what is visible of the plane, and the variables that span it.
+        Returns what is visible of the plane, and the variables that span it with their units.
     on_refused : callable
         Called with the reason why a start cannot be there.
     """
 
     def __init__(
-        self, scene: Scene, plane: Callable[[], tuple[Window, Axes]], on_refused: Callable[[ValueError], None]
+        self, scene: Scene, plane: Callable[[], tuple[Window, Plane]], on_refused: Callable[[ValueError], None]
     ) -> None:
         self.scene, self._plane, self._on_refused = scene, plane, on_refused
         self._placed: tuple[dict[str, Any], ...] = ({}, {})  # the starts before and after the last click
@@ -67,8 +69,8 @@ class StartsByHand:
 
     def _state(self, x: float, y: float, others: Start) -> Start:
         """Return the state at a point, rounded to about a pixel; coordinates that are not shown come from `others`."""
-        view, axes = self._plane()
-        return at_point(x, y, view, others, axes)
+        view, plane = self._plane()
+        return at_point(x, y, view, others, plane)
 
     def _try(self, change: Callable[[], None]) -> None:
         try:
@@ -77,13 +79,15 @@ class StartsByHand:
             self._on_refused(reason)
 
 
-def at_point(x: float, y: float, view: Window, others: Start, axes: Axes = (0, 1)) -> Start:
+def at_point(x: float, y: float, view: Window, others: Start, plane: Plane = XY) -> Start:
     """Return the state at a point of the plane, rounded to about a pixel; the other coordinates come from `others`."""
-    digits = digits_of(view)
-    shown = {axes[0]: round(x, digits), axes[1]: round(y, digits)}
+    digits = digits_of(view, plane)
+    (values,) = plane.values(np.array([[x, y]])).tolist()
+    shown = {axis: round(value, count) for axis, value, count in zip(plane.axes, values, digits, strict=True)}
     return tuple(shown.get(k, value) for k, value in enumerate(others))
 
 
-def digits_of(view: Window) -> int:
-    """Return to how many digits a coordinate has to be rounded to keep about a pixel of a view."""
-    return 3 - math.floor(math.log10(max(view.width, view.height)))
+def digits_of(view: Window, plane: Plane = XY) -> tuple[int, int]:
+    """Return to how many digits each variable has to be rounded to keep about a pixel of a view."""
+    across, up = (3 - math.floor(math.log10(view.longest * unit)) for unit in plane.units)
+    return across, up

@@ -77,13 +77,12 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     inputs = PortraitInputs.of(scene)
     pictures = results.pictures(inputs)
     view = PortraitView(_ignore, _ignore, _ignore, _ignore, _ignore)
-    a, b = pictures.axes
-    starts = [(start[a], start[b]) for start in scene.starts]
+    starts = list(map(pictures.plane.place, scene.starts))
     view.show_orbits(scene.declaration, pictures, starts, scene.selected)
     view.fit()
     ground = inputs.selected[0].problem
     window = extent(pictures).scaled(2.0)
-    view.show_backdrop(results.backdrop(ground, window, pictures.orbits[0].levels, pictures.axes))
+    view.show_backdrop(results.backdrop(ground, window, pictures.orbits[0].levels, pictures.plane))
     _make_static(view.figure, HEIGHT["portrait"])
     tables = {**portrait_tables(drawn_runs(inputs, scene.selected, results.run)), **drawn_table(pictures)}
     return view.figure, _measured((*inputs.selected, *inputs.others), results), tables

@@ -8,8 +8,9 @@ import numpy as np
 
 import core
 from core.integration import KINDS
+from pwsviz.geometry.plane import Plane
 from pwsviz.geometry.polyline_reduction import Floats, simplify
-from pwsviz.geometry.projection import PLANE, Axes, in_plane
+from pwsviz.geometry.projection import PLANE
 from pwsviz.geometry.window import Window
 from pwsviz.results.curves import curve, pixel_size
 
@@ -74,15 +75,15 @@ class Landmarks:
     kinds: tuple[str, ...]
 
 
-def frames(run: core.Trajectory, axes: Axes, limit: int = 2000, near: Window | None = None) -> Frames:
+def frames(run: core.Trajectory, plane: Plane, limit: int = 2000, near: Window | None = None) -> Frames:
     """Return the states of a run, every k-th if it has more than `limit` steps, and the vertices of its drawn curve.
 
     Parameters
     ----------
     run : core.Trajectory
         The run. Its first and last finite states are always kept; states that are not finite never are.
-    axes : (int, int)
-        The variables that span the portrait.
+    plane : Plane
+        That of the portrait.
     limit : int
         Bound on the steps shown, at least 1, and on the jumps; there is one more state than there are steps, and up to
         `VERTICES` times as many vertices. A curve that has more is left out.
@@ -96,8 +97,8 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000, near: Window | N
     """
     if limit < 1:
         raise ValueError(f"limit = {limit}: at least 1 is needed, one step from the first state to the last")
-    steps, t, places = _evenly(run, axes, limit)
-    drawn, traced = _drawn(run, axes, near, VERTICES * limit)
+    steps, t, places = _evenly(run, plane, limit)
+    drawn, traced = _drawn(run, plane, near, VERTICES * limit)
     new = ~np.isin(t, drawn[0])
     t, x = np.concatenate([drawn[0], t[new]]), np.concatenate([drawn[1], places[new]])
     order = np.argsort(t, kind="stable")
@@ -106,9 +107,9 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000, near: Window | N
     return Frames(run.method, t[order], np.ascontiguousarray(x[order]), steps, met, run.tally, traced)
 
 
-def _evenly(run: core.Trajectory, axes: Axes, limit: int) -> tuple[Floats, Floats, Floats]:
+def _evenly(run: core.Trajectory, plane: Plane, limit: int) -> tuple[Floats, Floats, Floats]:
     """Return times of steps that are shown, and times and places of the states shown, which may be more."""
-    there = np.flatnonzero(np.isfinite(in_plane(run.x, axes)).all(axis=1))
+    there = np.flatnonzero(np.isfinite(plane.points(run.x)).all(axis=1))
     every = max(1, -(-(len(there) - 1) // limit))
     kept = there[::every] if (len(there) - 1) % every == 0 else np.append(there[::every], there[-1])
     steps, x = run.t[kept], run.x[kept]
@@ -119,12 +120,12 @@ def _evenly(run: core.Trajectory, axes: Axes, limit: int) -> tuple[Floats, Float
             x = run.at(t)
         except ValueError:  # a part of a step may have no solution where the whole step has one
             t = steps
-    return steps, t, in_plane(x, axes)
+    return steps, t, plane.points(x)
 
 
-def _drawn(run: core.Trajectory, axes: Axes, near: Window | None, most: int) -> tuple[tuple[Floats, Floats], bool]:
+def _drawn(run: core.Trajectory, plane: Plane, near: Window | None, most: int) -> tuple[tuple[Floats, Floats], bool]:
     """Return times and places of the vertices of the drawn curve, and True; if they are too many, the jumps alone."""
-    t, points, kinks, whole = curve(run, axes, near)
+    t, points, kinks, whole = curve(run, plane, near)
     gaps = kinks & ~np.isfinite(points).all(axis=1)
     pinned = gaps.copy()
     pinned[:-1] |= gaps[1:]
@@ -138,7 +139,7 @@ def _drawn(run: core.Trajectory, axes: Axes, near: Window | None, most: int) -> 
     return (t[kept], points[kept]), traced
 
 
-def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:
+def landmarks(run: core.Trajectory, plane: Plane) -> Landmarks:
     """Return what the plot of the conserved quantity marks of a run."""
     met = run.crossings.passed
-    return Landmarks(np.ascontiguousarray(in_plane(met.x, axes)), tuple(map(str, met.kind)))
+    return Landmarks(np.ascontiguousarray(plane.points(met.x)), tuple(map(str, met.kind)))

@@ -8,6 +8,7 @@ import numpy as np
 
 import core
 from pwsviz.geometry.bends import bent_pieces
+from pwsviz.geometry.plane import Plane
 from pwsviz.geometry.polyline_reduction import (
     EVERYWHERE,
     RESOLUTION,
@@ -17,7 +18,7 @@ from pwsviz.geometry.polyline_reduction import (
     painted_first,
     spliced,
 )
-from pwsviz.geometry.projection import PLANE, Axes, in_plane
+from pwsviz.geometry.projection import PLANE
 from pwsviz.geometry.window import Window
 
 __all__ = ["FAR", "Curve", "curve", "jump_lines", "pixel_size"]
@@ -64,7 +65,7 @@ def pixel_size(points: Floats, near: Window | None) -> float:
     return (size if near is None else min(size, near.longest / FAR)) / RESOLUTION
 
 
-def curve(run: core.Trajectory, axes: Axes, near: Window | None = None) -> Curve:
+def curve(run: core.Trajectory, plane: Plane, near: Window | None = None) -> Curve:
     """Return the curve of a run; a jump leaves a gap.
 
     Between steps that are long on a screen, vertices come from the method's own continuous extension, `run.at`.
@@ -73,22 +74,22 @@ def curve(run: core.Trajectory, axes: Axes, near: Window | None = None) -> Curve
     ----------
     run : core.Trajectory
         The run, with its steps recorded.
-    axes : (int, int)
-        The variables that span the plane.
+    plane : Plane
+        The two variables that span it, and their units.
     near : Window, optional
         The part of the plane that matters, `FAR` times the view; without it all of the plane does.
     """
     crossings = run.crossings
     places = np.searchsorted(run.segment, np.arange(len(crossings)), side="right")
-    rows = jump_lines(in_plane(crossings.x, axes), in_plane(crossings.x_after, axes))
+    rows = jump_lines(plane.points(crossings.x), plane.points(crossings.x_after))
     rows = rows[:, [0, 2, 1]]  # before, gap, after
     there = np.ones(rows.shape[:2], dtype=bool)
     there[crossings.kind != "jump", 1:] = False
     inserted = np.repeat(places, there.sum(axis=1))
-    points, kinks = spliced(in_plane(run.x, axes), rows[there], inserted)
+    points, kinks = spliced(plane.points(run.x), rows[there], inserted)
     t = np.insert(run.t, inserted, np.broadcast_to(crossings.t[:, None], there.shape)[there])
     given = Curve(t, points, kinks)
-    return _refined(run, axes, given if len(run.t) <= LONG_STEPS else _first_turns(given, near), near)
+    return _refined(run, plane, given if len(run.t) <= LONG_STEPS else _first_turns(given, near), near)
 
 
 def jump_lines(before: Floats, after: Floats) -> Floats:
@@ -124,7 +125,7 @@ def _bent(given: Curve, near: Window | None, pixel: float) -> Mask:
     return bent_pieces(given.t, given.points, given.kinks, BEND * pixel, near or EVERYWHERE)
 
 
-def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None) -> Curve:
+def _refined(run: core.Trajectory, plane: Plane, given: Curve, near: Window | None) -> Curve:
     """Divide the pieces of a curve that bend visibly, until none does but leaps."""
     t, points, kinks, whole = given
     pixel = pixel_size(points, near)
@@ -139,7 +140,7 @@ def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None
         share = np.arange(1, PARTS) / PARTS
         times = t[k, None] + (t[k + 1] - t[k])[:, None] * share
         try:
-            new = in_plane(run.at(times.ravel()), axes)
+            new = plane.points(run.at(times.ravel()))
         except ValueError:  # a part of a step may have no solution where the whole step has one
             break
         chord = points[k, None] + (points[k + 1] - points[k])[:, None] * share[:, None]

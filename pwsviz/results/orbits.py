@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 import core
 from core.diagnostics import starts_beyond_wall
 from pwsviz.geometry.clipping import clipped
+from pwsviz.geometry.plane import Axes, Plane
 from pwsviz.geometry.polyline_reduction import Floats, distinct_pixels, screen_path
-from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels, surfaces_shown
+from pwsviz.geometry.projection import PLANE, shows_levels, surfaces_shown
 from pwsviz.geometry.window import Window
 from pwsviz.results.curves import FAR, curve, jump_lines, pixel_size
 from pwsviz.results.requests import RunInputs
 
-__all__ = ["PIECES_WITH_LEVELS", "RUNS_OFF", "End", "Levels", "Orbit", "drawn_within", "orbit_of"]
+__all__ = ["PIECES_WITH_LEVELS", "RUNS_OFF", "End", "Levels", "Orbit", "drawn_within", "orbit_of", "places_near"]
 
 Levels = tuple[tuple[int, tuple[float, ...]], ...]
 """Values of ψ for each region, by its number."""
@@ -103,28 +104,28 @@ class Orbit:
         return self.end is not None and self.end.status in RUNS_OFF
 
 
-def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes: Axes) -> Orbit:
+def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, plane: Plane) -> Orbit:
     """Return a run as the portrait draws it, as far as it stays within `near`.
 
     Without such a window the whole of it, but of one that may have run off only the part near its beginning, `FAR`
     times as large as its view. A curve that leaves `near` ends on its border.
     """
-    view = _surroundings(run, axes) if run.status in RUNS_OFF else None
+    view = _surroundings(run, plane) if run.status in RUNS_OFF else None
     if near is None and view is not None:
         near = view.scaled(FAR)
-    _, points, kinks, _ = curve(run, axes, near)
+    _, points, kinks, _ = curve(run, plane, near)
     crossings = run.crossings.passed
-    at = in_plane(crossings.x, axes)
+    at = plane.points(crossings.x)
     marks = np.flatnonzero(near.holds(at)) if near else np.arange(len(crossings))
     apart = distinct_pixels(at[marks])
     marks = marks[apart[:MOST_PLACES]]
     jumped = marks[crossings.kind[marks] == "jump"]
-    jumped = jumped[~_along_surface(run, crossings[jumped], axes)]
+    jumped = jumped[~_along_surface(run, crossings[jumped], plane.axes)]
     pixel, within = pixel_size(points, near), None
     if near is not None:
         points, kinks, within = clipped(points, kinks, near)
     path = screen_path(points, kinks, within, pixel=pixel)
-    steps, more_steps = _steps(run, near, axes)
+    steps, more_steps = _steps(run, near, plane)
     return Orbit(
         method=inputs.scheme.method,
         path=path,
@@ -132,12 +133,12 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
         numbers=1 + marks,
         times=crossings.t[marks],
         kinds=tuple(str(crossings.kind[k]) for k in marks),
-        jumps=jump_lines(at[jumped], in_plane(crossings.x_after[jumped], axes)).reshape(-1, PLANE),
-        start=(inputs.problem.x0[axes[0]], inputs.problem.x0[axes[1]]),
+        jumps=jump_lines(at[jumped], plane.points(crossings.x_after[jumped])).reshape(-1, PLANE),
+        start=plane.place(inputs.problem.x0),
         levels=_levels(run),
         steps=steps,
         more_steps=more_steps,
-        end=_end(run, axes),
+        end=_end(run, plane),
         places=len(apart),
         bare=_bare(run),
         beyond=starts_beyond_wall(run),
@@ -156,6 +157,16 @@ def _along_surface(run: core.Trajectory, jumps: core.Crossings, axes: Axes) -> N
     return along
 
 
+def places_near(run: core.Trajectory, axes: Axes) -> Floats:
+    """Return where (k, 2) the states of a run are in a plane; of one that may have run off, those near its beginning.
+
+    There is at least the first.
+    """
+    plane = Plane(axes)
+    at = plane.points(run.x)
+    return at[_surroundings(run, plane).holds(at)] if run.status in RUNS_OFF else at
+
+
 def drawn_within(first: Orbit) -> Window:
     """Return the part of the plane in which the orbits beside the first one are drawn."""
     return Window.around(first.focus).scaled(FAR)
@@ -167,12 +178,12 @@ def _part(path: Floats, view: Window) -> Floats:
     return points[within] if within.any() else path[:1]
 
 
-def _steps(run: core.Trajectory, near: Window | None, axes: Axes) -> tuple[Floats, bool]:
+def _steps(run: core.Trajectory, near: Window | None, plane: Plane) -> tuple[Floats, bool]:
     """Return the ends of steps, if they are few and most are long, until they return; and whether there are more."""
     none = np.empty((0, PLANE)), False
     if len(run.t) > FEW_STEPS + 1:
         return none
-    at = in_plane(run.x, axes)
+    at = plane.points(run.x)
     at = np.ascontiguousarray(at[np.isfinite(at).all(axis=1) & (near.holds(at) if near else True)])
     length = np.hypot(*np.diff(at, axis=0).T)
     if 2 * np.count_nonzero(length > APART * pixel_size(at, near)) <= len(length):
@@ -190,17 +201,17 @@ def _return(at: Floats, length: Floats) -> int:
     return int(ends[0]) - RETURNED + 2 if len(ends) else len(at)
 
 
-def _end(run: core.Trajectory, axes: Axes) -> End | None:
+def _end(run: core.Trajectory, plane: Plane) -> End | None:
     if run.status is core.Status.COMPLETED:
         return None
-    at = in_plane(run.x, axes)
+    at = plane.points(run.x)
     x, y = at[np.flatnonzero(np.isfinite(at).all(axis=1))[-1]].tolist()
     return End(run.status, float(run.t[-1]), (x, y))
 
 
-def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
+def _surroundings(run: core.Trajectory, plane: Plane) -> Window:
     """Return a window many times as large as the first part of a run."""
-    anchors = np.concatenate([in_plane(run.x[:1], axes), in_plane(run.crossings.x[:12], axes), np.zeros((1, PLANE))])
+    anchors = np.concatenate([plane.points(run.x[:1]), plane.points(run.crossings.x[:12]), np.zeros((1, PLANE))])
     return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(BEGINNING)
 
 

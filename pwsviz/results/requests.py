@@ -10,7 +10,7 @@ from pwsviz.geometry.section_crossings import chosen_direction
 from pwsviz.scene.checks import Start
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.sweeping import swept_coordinate, swept_direction, swept_parameter, swept_range
-from pwsviz.scene.times import END_TIME, STEP_SIZE
+from pwsviz.scene.times import usual_times
 
 STABILITY_END = 500.0
 """Largest end time of the hundreds of runs of a stability study, and of the solution they are compared with."""
@@ -267,7 +267,8 @@ def usual_inputs(system: core.PiecewiseSystem) -> RunInputs:
     """Return the inputs of a run of a system as it is declared, by a method that every system admits."""
     scheme = Scheme(USUAL_METHOD, slide=not system.laws.jumps)
     problem = InitialValueProblem(system, tuple(sorted(system.values.items())), system.x0)
-    return RunInputs(problem, scheme, STEP_SIZE, END_TIME)
+    times = usual_times(system)
+    return RunInputs(problem, scheme, times.tau, times.t_end)
 
 
 def _run_inputs(scene: Scene, method: str, start: Start) -> RunInputs:

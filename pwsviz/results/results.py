@@ -13,13 +13,14 @@ import core
 from core.studies import STARTS_OF_MAP
 from pwsviz.geometry.first_view import first_plane
 from pwsviz.geometry.phase_plane import Backdrop, backdrop
+from pwsviz.geometry.plane import XY, Axes, Plane, units_of
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import PLANE, Axes, planes_alike
+from pwsviz.geometry.projection import planes_alike
 from pwsviz.geometry.window import Window
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
 from pwsviz.results.error_curve import ErrorCurve, error_curve
-from pwsviz.results.orbits import Levels, Orbit, drawn_within, orbit_of
+from pwsviz.results.orbits import Levels, Orbit, drawn_within, orbit_of, places_near
 from pwsviz.results.parting import Parting, parting
 from pwsviz.results.requests import (
     CostInputs,
@@ -99,14 +100,14 @@ class Pictures:
     """The curves of one portrait, and the figures of the selected runs."""
 
     inputs: PortraitInputs
-    axes: Axes
-    """The plane in which they lie."""
+    plane: Plane
+    """In which they lie."""
     orbits: list[Orbit]
     others: list[Orbit]
     summaries: list[Summary]
     parting: Parting | None = None
     """From when on the selected runs cannot all follow the solution; None if they may."""
-    alongside: Mapping[Axes, Sequence[Orbit]] = field(default_factory=dict)
+    alongside: Mapping[Plane, Sequence[Orbit]] = field(default_factory=dict)
     """In `planes_alike`, the orbits of the same runs: those of the selected start first, as `orbits` and `others`."""
 
     @property
@@ -149,30 +150,36 @@ class Results:
 
     def pictures(self, inputs: PortraitInputs, cancel: Cancel = never) -> Pictures:
         """Return the curves of the portrait and the figures of its selected runs."""
-        axes = self.plane(inputs.declaration, inputs.axes, cancel)
+        plane = self.plane(inputs.declaration, inputs.axes, cancel)
         self._begin(inputs.selected, cancel)
-        first = self.orbit(inputs.selected[0], None, axes, cancel)
+        first = self.orbit(inputs.selected[0], None, plane, cancel)
         near = drawn_within(first)
         runs = (*inputs.selected, *inputs.others)
         return Pictures(
             inputs=inputs,
-            axes=axes,
-            orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.selected[1:])],
-            others=[self.orbit(one, near, axes, cancel) for one in inputs.others],
+            plane=plane,
+            orbits=[first, *(self.orbit(one, near, plane, cancel) for one in inputs.selected[1:])],
+            others=[self.orbit(one, near, plane, cancel) for one in inputs.others],
             summaries=[self.summary(one, cancel) for one in inputs.selected],
             parting=parting({one.scheme.method: self.run(one, cancel) for one in inputs.selected}),
             alongside={
-                plane: [self.orbit(one, near, plane, cancel) for one in runs]
-                for plane in planes_alike(inputs.declaration, axes)
+                alike: [self.orbit(one, near, alike, cancel) for one in runs]
+                for alike in _alike(inputs.declaration, plane)
             },
         )
 
-    def plane(self, system: core.PiecewiseSystem, chosen: Axes | None, cancel: Cancel = never) -> Axes:
-        """Return the chosen plane; without one that in which the system, as it is declared, is looked at first."""
-        if chosen is not None or system.dimension == PLANE:
-            return chosen or (0, 1)
+    def plane(self, system: core.PiecewiseSystem, chosen: Axes | None, cancel: Cancel = never) -> Plane:
+        """Return the plane of two chosen variables; without such, that in which the system is looked at first.
+
+        The units of both follow from the system as it is declared: neither parameters nor starts change them.
+        """
         usual = usual_inputs(system)
-        return self._get("plane", usual, cancel, lambda: first_plane(system, self.run(usual, cancel).x))
+        return self._get("plane", (usual, chosen), cancel, lambda: self._plane(usual, chosen, cancel))
+
+    def _plane(self, usual: RunInputs, chosen: Axes | None, cancel: Cancel) -> Plane:
+        run = self.run(usual, cancel)
+        axes = chosen or first_plane(run.system, run.x)
+        return Plane(axes, units_of(places_near(run, axes)))
 
     def error_curves(self, inputs: tuple[RunInputs, ...], cancel: Cancel = never) -> list[ErrorCurve]:
         """Return the curves of the plot of the conserved quantity."""
@@ -216,42 +223,40 @@ class Results:
         self._called.add(called)
         return run
 
-    def orbit(
-        self, inputs: RunInputs, near: Window | None = None, axes: Axes = (0, 1), cancel: Cancel = never
-    ) -> Orbit:
+    def orbit(self, inputs: RunInputs, near: Window | None = None, plane: Plane = XY, cancel: Cancel = never) -> Orbit:
         """Return the trajectory for the portrait, as far as it stays within `near`.
 
         Without such a window the whole trajectory, but of one that may have run off only the part near its beginning.
         """
         return self._get(
-            "orbit", (inputs, near, axes), cancel, lambda: orbit_of(inputs, self.run(inputs, cancel), near, axes)
+            "orbit", (inputs, near, plane), cancel, lambda: orbit_of(inputs, self.run(inputs, cancel), near, plane)
         )
 
-    def frames(self, inputs: tuple[RunInputs, ...], axes: Axes, cancel: Cancel = never) -> list[Frames]:
+    def frames(self, inputs: tuple[RunInputs, ...], plane: Plane, cancel: Cancel = never) -> list[Frames]:
         """Return the states that the player shows of each run in the plane, then in those alike; of many fewer each."""
-        first = self.orbit(inputs[0], None, axes, cancel)
+        first = self.orbit(inputs[0], None, plane, cancel)
         near = drawn_within(first)
-        alike = planes_alike(inputs[0].problem.declaration, axes)
-        shown = [(one, plane) for plane in (axes, *alike) for one in inputs]
+        drawn = [plane, *_alike(inputs[0].problem.declaration, plane)]
+        shown = [(one, each) for each in drawn for one in inputs]
         limit = min(MOST_FRAMES, max(FEWEST_FRAMES, ALL_FRAMES // len(shown)))
         windows = [near if first.runs_off else None, *(near for _ in shown[1:])]
         return [
             self._get(
-                "frames", (one, plane, limit, window), cancel, partial(self._frames, one, plane, limit, window, cancel)
+                "frames", (one, each, limit, window), cancel, partial(self._frames, one, each, limit, window, cancel)
             )
-            for (one, plane), window in zip(shown, windows, strict=True)
+            for (one, each), window in zip(shown, windows, strict=True)
         ]
 
-    def _frames(self, inputs: RunInputs, axes: Axes, limit: int, near: Window | None, cancel: Cancel) -> Frames:
-        return frames(self.run(inputs, cancel), axes, limit, near)
+    def _frames(self, inputs: RunInputs, plane: Plane, limit: int, near: Window | None, cancel: Cancel) -> Frames:
+        return frames(self.run(inputs, cancel), plane, limit, near)
 
     def states(self, inputs: RunInputs, cancel: Cancel = never) -> StateCurves:
         """Return each coordinate of a run against time."""
         return self._get("states", inputs, cancel, lambda: state_curves(self.run(inputs, cancel)))
 
-    def landmarks(self, inputs: RunInputs, axes: Axes, cancel: Cancel = never) -> Landmarks:
+    def landmarks(self, inputs: RunInputs, plane: Plane, cancel: Cancel = never) -> Landmarks:
         """Return what the plot of the conserved quantity marks of a run."""
-        return self._get("landmarks", (inputs, axes), cancel, lambda: landmarks(self.run(inputs, cancel), axes))
+        return self._get("landmarks", (inputs, plane), cancel, lambda: landmarks(self.run(inputs, cancel), plane))
 
     def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
         """Return (n, m) the error of each ψ at each state of a run, accumulated since the start."""
@@ -279,16 +284,16 @@ class Results:
     def _warning(self, inputs: RunInputs, cancel: Cancel) -> str:
         return warning_of(self.run(inputs, cancel))
 
-    def backdrop(self, problem: InitialValueProblem, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
+    def backdrop(self, problem: InitialValueProblem, window: Window, levels: Levels, plane: Plane = XY) -> Backdrop:
         """Return the backdrop of the portrait on a window, with these level sets besides the usual ones."""
-        key = _still(problem), window, levels, axes
-        return self._cache.get("backdrop", key, lambda: backdrop(problem.build(), window, dict(levels), axes))
+        key = _still(problem), window, levels, plane
+        return self._cache.get("backdrop", key, lambda: backdrop(problem.build(), window, dict(levels), plane))
 
     def found_backdrop(
-        self, problem: InitialValueProblem, window: Window, levels: Levels, axes: Axes = (0, 1)
+        self, problem: InitialValueProblem, window: Window, levels: Levels, plane: Plane = XY
     ) -> Backdrop | None:
         """Return the same if it is in the cache, else None."""
-        found: Backdrop | None = self._cache.found("backdrop", (_still(problem), window, levels, axes))
+        found: Backdrop | None = self._cache.found("backdrop", (_still(problem), window, levels, plane))
         return found
 
     def diagnosis(self, inputs: RunInputs, cancel: Cancel = never) -> core.Diagnosis:
@@ -378,6 +383,11 @@ class Results:
 def _still(problem: InitialValueProblem) -> InitialValueProblem:
     """Return a problem without its start, on which no backdrop depends."""
     return replace(problem, x0=())
+
+
+def _alike(system: core.PiecewiseSystem, plane: Plane) -> list[Plane]:
+    """Return `planes_alike`, in the same units."""
+    return [Plane(axes, plane.units) for axes in planes_alike(system, plane.axes)]
 
 
 def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:

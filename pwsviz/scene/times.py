@@ -8,7 +8,7 @@ from typing import NamedTuple
 import core
 from core.studies import moderate_time
 
-__all__ = ["END_TIME", "STEP_SIZE", "Times", "times_of"]
+__all__ = ["END_TIME", "STEP_SIZE", "Times", "times_of", "usual_times"]
 
 STEP_SIZE = 1e-2
 """Step size of a system of the catalogue."""
@@ -32,6 +32,12 @@ class Times(NamedTuple):
 def times_of(key: str, own: core.PiecewiseSystem | None = None) -> Times:
     """Return the times of a system of the catalogue; of the user's own, if given, those that follow from its scale."""
     return Times(STEP_SIZE, END_TIMES.get(key, END_TIME)) if own is None else _of_own(own)
+
+
+def usual_times(system: core.PiecewiseSystem) -> Times:
+    """Return the times of a system as it is declared, be it of the catalogue or not."""
+    key = next((key for key, one in core.CATALOGUE.items() if one == system), None)
+    return _of_own(system) if key is None else times_of(key)
 
 
 @lru_cache(maxsize=32)

@@ -59,8 +59,8 @@ class ConservedTab(Tab):
         """Reduce the errors of the runs to the resolution of a screen."""
         curves = self.results.error_curves(inputs.runs, cancel)
         system = inputs.runs[0].problem.declaration
-        axes = self.results.plane(system, inputs.axes, cancel)
-        marks = self.results.landmarks(inputs.runs[0], axes, cancel)
+        plane = self.results.plane(system, inputs.axes, cancel)
+        marks = self.results.landmarks(inputs.runs[0], plane, cancel)
         moved = any(curve.t_end > curve.t[0] for curve in curves)
         return ErrorPicture(
             system, curves, marks, "" if moved else self.results.summary(inputs.runs[0], cancel).message

@@ -14,7 +14,7 @@ from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.state import MOST_PANELS, StateView, panel_text, state_text
 from pwsviz.figures.style import describe
-from pwsviz.geometry.projection import Axes, in_plane
+from pwsviz.geometry.plane import Plane
 from pwsviz.results.requests import ErrorInputs, run_inputs
 from pwsviz.results.states import StateCurves
 from pwsviz.tabs.base import Tab
@@ -28,7 +28,7 @@ class StatePicture(NamedTuple):
 
     curves: list[StateCurves]
     first: core.Trajectory
-    axes: Axes
+    plane: Plane
     """Of the portrait, in which the crossing under the pointer is marked, too."""
 
 
@@ -52,8 +52,8 @@ class StateTab(Tab):
     def compute(self, inputs: ErrorInputs, cancel: Cancel, report: Report) -> StatePicture:
         """Reduce the runs to the resolution of a screen."""
         curves = [self.results.states(one, cancel) for one in inputs.runs]
-        axes = self.results.plane(inputs.runs[0].problem.declaration, inputs.axes, cancel)
-        return StatePicture(curves, self.results.run(inputs.runs[0], cancel), axes)
+        plane = self.results.plane(inputs.runs[0].problem.declaration, inputs.axes, cancel)
+        return StatePicture(curves, self.results.run(inputs.runs[0], cancel), plane)
 
     def build(self) -> list[Any]:
         """Make place for the panels, which depend on the system."""
@@ -62,7 +62,7 @@ class StateTab(Tab):
     def draw(self, outcome: StatePicture) -> str:
         """Draw the runs, and return the ranges of the coordinates in words."""
         names = list(map(variable_name, outcome.first.system.variables))
-        self.view.show(outcome.curves, names, outcome.first, in_plane(outcome.first.crossings.x, outcome.axes))
+        self.view.show(outcome.curves, names, outcome.first, outcome.plane.points(outcome.first.crossings.x))
         for panel in self.view.panels[len(self.plots) :]:
             self.plot(panel.figure)
             if self._portrait is not None:

@@ -187,3 +187,24 @@ def test_the_place_under_the_pointer_is_told_with_side_and_invariant(shown):
         assert psi == pytest.approx(y**2 - x**3 - (-2.0 if across < 0.5 else -3.0) * x, abs=0.05)
     page.mouse.move(2, 2)
     words.wait_for(state="detached")
+
+
+def test_the_place_is_told_in_values_of_the_variables_where_one_is_drawn_in_a_unit(visit):
+    energy = ("(y**2 + 1e8*x**2)/2",)
+    spring = core.PiecewiseSystem(
+        "Fast spring", ("x", "y"), f_minus=("y", "-1e8*x"), f_plus=("y", "-1e8*x"), g="x", x0=(1.0, 0.0),
+        psi_minus=energy, psi_plus=energy,
+    )  # fmt: skip
+    scene = Scene()
+    scene.use(spring)
+    page = visit(query=query(scene))
+    await_painted(page, "Phase portrait")
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.mouse.move(*inside(page.evaluate(PORTRAIT), 0.3, 0.7))
+    words = page.get_by_text(re.compile("g < 0 · ψ₋ = "))
+    words.wait_for()
+    found = re.fullmatch(r"x = (\S+), y = (\S+) · g . 0 · ψ. = ([\d.]+)×10⁷", words.inner_text())
+    x, y, psi = (float(number.replace("−", "-")) for number in found.groups())
+    assert psi * 1e7 == pytest.approx((y**2 + 1e8 * x**2) / 2, rel=0.01)
+    assert y > 1e3

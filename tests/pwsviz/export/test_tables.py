@@ -10,6 +10,7 @@ import core
 from pwsviz.export import tables
 from pwsviz.export.files import csv_bytes, npz_bytes
 from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, drawn_table, portrait_tables
+from pwsviz.geometry.plane import XY
 from pwsviz.results.requests import other_inputs, run_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
@@ -90,7 +91,7 @@ def test_each_body_that_is_drawn_has_its_table():
         assert max(away) < 1e-2, "its vertices are states of the body in this run"
         assert np.array_equal(drawn[0], states[0])
         assert len(drawn) > 20
-    frames = results.frames((*pictures.inputs.selected, *pictures.inputs.others), (0, 1))
+    frames = results.frames((*pictures.inputs.selected, *pictures.inputs.others), XY)
     starts = [one.places[0].tolist() for one in frames]
     assert starts == [[x[2 * body], x[2 * body + 1]] for body in range(3) for x in scene.starts[::-1] for _ in range(2)]
 

@@ -12,6 +12,7 @@ from pwsviz.figures.conserved import FLOOR, NOWHERE, ConservedView, drawable
 from pwsviz.figures.conserved_text import CEILING, MOST_BANDS, conserved_text, largest_of_each, meaning
 from pwsviz.figures.marks import KIND_COLOURS, KIND_MARKERS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
+from pwsviz.geometry.plane import XY
 from pwsviz.results.animation import landmarks
 from pwsviz.results.error_curve import ErrorCurve
 from pwsviz.results.requests import run_inputs
@@ -28,7 +29,7 @@ def computed(methods=("dmm2", "rk2"), **settings):
 
 def shown(with_landmarks=True, **settings):
     view, (curves, run) = ConservedView(), computed(**settings)
-    view.show(curves, landmarks(run, (0, 1)) if with_landmarks else None)
+    view.show(curves, landmarks(run, XY) if with_landmarks else None)
     return view, curves, run
 
 
@@ -107,7 +108,7 @@ def test_round_off_is_marked_and_machine_epsilon_where_it_can_be_told_from_it():
     near = 2 * MACHINE_EPSILON
     for level, marked in ((1e-12, 1e-12), (near, near), (FLOOR / 2, NOWHERE), (0.0, NOWHERE)):
         size = np.full(len(curves[0].t), level / (2 * MACHINE_EPSILON))
-        view.show([replace(curves[0], psi_size=size)], landmarks(run, (0, 1)))
+        view.show([replace(curves[0], psi_size=size)], landmarks(run, XY))
         assert view.levels.ticker.ticks == pytest.approx(
             [NOWHERE if marked == near else MACHINE_EPSILON, FLOOR, marked]
         )

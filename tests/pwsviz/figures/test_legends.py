@@ -96,7 +96,7 @@ def test_the_key_of_level_sets_is_half_in_the_colour_of_each_side_on_which_they_
     problem, levels = pictures.inputs.selected[0].problem, pictures.orbits[0].levels
     half = LEGEND_GLYPH // 2
     for window, sides in ((Window(-2, 2, -2, 2), [-1, 1]), (Window(-0.2, 0.2, -0.2, 0.2), [-1])):
-        view.show_backdrop(Results().backdrop(problem, window, levels, (0, 1)))
+        view.show_backdrop(Results().backdrop(problem, window, levels))
         keys = [renderer.glyph for renderer in view.ground._line_entries[1].renderers]
         assert [key.line_color for key in keys] == list(SIDES.values())
         dashes = [[half, half]] * 2 if len(sides) == 2 else [[], [0, LEGEND_GLYPH]]
@@ -112,7 +112,7 @@ def test_the_legend_names_what_is_seen_alone_also_after_a_pan_within_the_backdro
     view, system = PortraitView(*[print] * 5), Scene().declaration
     pictures = Results().pictures(PortraitInputs.of(Scene()))
     view.show_orbits(system, pictures, [(-1.0, -1.0)], 0)
-    ground = Results().backdrop(pictures.inputs.selected[0].problem, Window(-2, 2, -2, 2), (), (0, 1))
+    ground = Results().backdrop(pictures.inputs.selected[0].problem, Window(-2, 2, -2, 2), ())
     names = [name for name, _ in view.ground.legend]
     for window, absent in (
         (Window(-1.9, 1.9, -1.9, 1.9), set()),

@@ -16,6 +16,7 @@ from pwsviz.figures.framing import OTHERS, extent
 from pwsviz.figures.marks import KIND_MARKERS
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.geometry.phase_plane import backdrop
+from pwsviz.geometry.plane import XY
 from pwsviz.geometry.window import Window
 from pwsviz.page.player import Player
 from pwsviz.results.animation import frames
@@ -233,15 +234,15 @@ def test_the_sentence_for_screen_readers_is_of_what_is_drawn():
 def test_a_closed_player_makes_and_sends_nothing():
     player = Player(Watched())
     run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 1.0), tau=1e-2)
-    player.show([frames(run, (0, 1))])
+    player.show([frames(run, XY)])
     assert not player.wanted
     assert player.bar is None
     player.open = True
     assert player.wanted
-    player.show([frames(run, (0, 1))])
-    assert np.array_equal(player.bar.ways[0]["t"], frames(run, (0, 1)).t)
+    player.show([frames(run, XY)])
+    assert np.array_equal(player.bar.ways[0]["t"], frames(run, XY).t)
     player.open = False
-    player.show([frames(run, (0, 1))])
+    player.show([frames(run, XY)])
     assert player.bar.ways == []
 
 

@@ -14,7 +14,7 @@ from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.scheme import scheme_markup
 from pwsviz.figures.state import StateView
 from pwsviz.geometry.phase_plane import backdrop
-from pwsviz.geometry.projection import in_plane
+from pwsviz.geometry.plane import XY
 from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.geometry.window import Window
 from pwsviz.results.animation import landmarks
@@ -55,7 +55,7 @@ def assert_shaded_as_occupied(segments, run):
 def test_the_plot_of_the_state_shades_and_names_the_regions_of_the_run(system):
     run = core.integrate(system, (0.0, 6.0), tau=1e-2, method="rk4", sliding="stop")
     view, names = StateView(), shade_names(system)
-    view.show([state_curves(run)], system.variables, run, in_plane(run.crossings.x, (0, 1)))
+    view.show([state_curves(run)], system.variables, run, XY.points(run.crossings.x))
     assert_shaded_as_occupied(view.shared.segments, run)
     labels = [entry.label for entry in view.panels[-1].entries]
     for shade, source in view.shared.segments.items():
@@ -67,7 +67,7 @@ def test_the_plot_of_the_conserved_quantity_shades_and_names_the_regions_of_the_
     results, view = Results(), ConservedView()
     inputs = run_inputs(scene_of(system))
     curves, run = results.error_curves(inputs), results.run(inputs[0])
-    view.show(curves, landmarks(run, (0, 1)))
+    view.show(curves, landmarks(run, XY))
     assert_shaded_as_occupied(view.segments, run)
     for shade, name in shade_names(system).items():
         assert view.entries[shade].label == value(name if shade else f"{name}: |Δg|")

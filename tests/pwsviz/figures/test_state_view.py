@@ -4,7 +4,7 @@ import numpy as np
 
 import core
 from pwsviz.figures.state import MOST_PANELS, WIDEST, StateView, state_text
-from pwsviz.geometry.projection import in_plane
+from pwsviz.geometry.plane import XY
 from pwsviz.results.states import state_curves
 
 
@@ -13,7 +13,7 @@ def shown(system="kepler", methods=("dmm2",), view=None, t_end=20.0, tau=0.01):
     system = core.CATALOGUE[system] if isinstance(system, str) else system
     runs = [core.integrate(system, (0.0, t_end), tau=tau, method=method) for method in methods]
     curves = [state_curves(run) for run in runs]
-    view.show(curves, system.variables, runs[0], in_plane(runs[0].crossings.x, (0, 1)))
+    view.show(curves, system.variables, runs[0], XY.points(runs[0].crossings.x))
     return view, curves, runs[0]
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import core
 from pwsviz.geometry.formulas import FUNCTIONS, formulas
+from pwsviz.geometry.plane import XY, Plane
 from pwsviz.geometry.projection import shows_regions, surfaces_shown
 from tests.pwsviz.own_systems import OWN_SYSTEMS, RELAY
 
@@ -18,7 +19,7 @@ in_both_orders = pytest.mark.parametrize("axes", [(0, 1), (1, 0)])
 
 
 def of_all_regions(system, axes):
-    return formulas(system, axes, range(len(system.regions)))
+    return formulas(system, Plane(axes), range(len(system.regions)))
 
 
 def value(tree, x, y, t):
@@ -90,7 +91,7 @@ def test_the_readout_tells_the_region_that_a_point_lies_in_and_none_where_no_law
 
 def test_of_a_region_in_which_no_state_is_the_readout_knows_nothing():
     for there, names, bare in (((0, 1), ["g < 0", "g > 0"], ""), ((1,), ["g > 0"], "beyond the wall")):
-        known = formulas(SYSTEMS["bouncing_ball"], (0, 1), there)
+        known = formulas(SYSTEMS["bouncing_ball"], XY, there)
         assert ([one[1] for one in known["regions"]], known["bare"]) == (names, bare)
 
 

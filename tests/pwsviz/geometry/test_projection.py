@@ -9,10 +9,10 @@ import core
 from core.diagnostics import inhabited
 from pwsviz.figures.portrait_text import law_markup, portrait_note
 from pwsviz.geometry.phase_plane import backdrop, closed_surface
+from pwsviz.geometry.plane import Plane
 from pwsviz.geometry.projection import (
     axis_labels,
     conserved_note,
-    in_plane,
     planes,
     planes_alike,
     shows_field,
@@ -49,7 +49,7 @@ def test_the_surface_drawn_is_where_g_vanishes_whatever_is_not_shown(system):
 
 def test_variables_have_greek_letters_wherever_formulas_have_them():
     table = core.CATALOGUE["vibrating_table"]
-    assert axis_labels(table, (0, 1)) == ("φ (v not shown)", "y")
+    assert axis_labels(table, Plane((0, 1))) == ("φ (v not shown)", "y")
     assert "plane of φ, y" in portrait_note(table, (0, 1))
     assert readable("y - a*sin(phi)", table) == "y − a·sin(φ)"
     assert [variable_name(name) for name in ("theta", "omega", "x1", "u")] == ["θ", "ω", "x₁", "u"]
@@ -84,7 +84,7 @@ def test_a_surface_that_is_no_curve_in_the_plane_is_left_out_and_named():
     assert not shows_surface(gene, XY)
     assert len(closed_surface(gene, WINDOW)) == 0
     assert "z − θ" in portrait_note(gene, XY)
-    assert axis_labels(gene, XY) == ("x (z not shown)", "y")
+    assert axis_labels(gene, Plane(XY)) == ("x (z not shown)", "y")
 
 
 def test_of_several_surfaces_those_that_are_no_curves_in_the_plane_are_named():
@@ -114,7 +114,7 @@ def test_what_is_not_drawn_of_regions_without_a_place_of_their_own_is_named():
 
 def test_a_surface_of_the_shown_variables_is_drawn_in_any_dimension():
     assert len(closed_surface(core.CATALOGUE["kepler"], WINDOW)) > 10
-    assert axis_labels(core.CATALOGUE["kepler"], XY) == ("x (u, v not shown)", "y")
+    assert axis_labels(core.CATALOGUE["kepler"], Plane(XY)) == ("x (u, v not shown)", "y")
 
 
 def test_any_two_variables_span_a_portrait():
@@ -122,11 +122,11 @@ def test_any_two_variables_span_a_portrait():
     assert planes(kepler) == [(0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)]
     assert not shows_surface(kepler, (2, 3))
     assert shows_surface(kepler, (1, 0))
-    assert axis_labels(kepler, (3, 1)) == ("v (x, u not shown)", "y")
-    assert axis_labels(core.CATALOGUE["three_bodies"], (0, 2)) == ("x₁ (10 other variables not shown)", "x₂")
+    assert axis_labels(kepler, Plane((3, 1))) == ("v (x, u not shown)", "y")
+    assert axis_labels(core.CATALOGUE["three_bodies"], Plane((0, 2))) == ("x₁ (10 other variables not shown)", "x₂")
     x = np.arange(8.0).reshape(2, 4)
-    assert np.array_equal(in_plane(x, (1, 3)), x[:, [1, 3]])
-    assert np.array_equal(in_plane(x, (3, 1)), x[:, [3, 1]])
+    assert np.array_equal(Plane((1, 3)).points(x), x[:, [1, 3]])
+    assert np.array_equal(Plane((3, 1)).points(x), x[:, [3, 1]])
 
 
 def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
@@ -138,7 +138,7 @@ def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
         "x2", "u2", "x3", "u3",
     ]  # fmt: skip
     assert planes_alike(bodies, (0, 2)) == [], "x1 and x2 span a plane of their own"
-    assert axis_labels(bodies, (0, 1)) == ("x₁, x₂, x₃ (6 other variables not shown)", "y₁, y₂, y₃")
+    assert axis_labels(bodies, Plane((0, 1))) == ("x₁, x₂, x₃ (6 other variables not shown)", "y₁, y₂, y₃")
     assert (
         "Successively thinner lines show (x₂, y₂) and (x₃, y₃); discs mark where they start; "
         "marks of jumps refer to x₁, y₁." in portrait_note(bodies, (0, 1))
@@ -155,7 +155,7 @@ def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
 
 def test_a_swapped_plane_is_the_mirror_image():
     system = core.CATALOGUE["elliptic_curve"]
-    plain, swapped = backdrop(system, WINDOW, {}), backdrop(system, WINDOW, {}, (1, 0))
+    plain, swapped = backdrop(system, WINDOW, {}), backdrop(system, WINDOW, {}, Plane((1, 0)))
     for side in (-1, 1):
         there = plain.arrows[side][np.isfinite(plain.arrows[side]).all(axis=1)]
         mirrored = swapped.arrows[side][np.isfinite(swapped.arrows[side]).all(axis=1)][:, ::-1]

@@ -27,7 +27,7 @@ def counts(explorer):
 
 
 def test_first_picture_computes_what_is_visible_and_no_more(explorer):
-    once = {"backdrop": 1, "landmarks": 1}
+    once = {"backdrop": 1, "landmarks": 1, "plane": 1}
     assert counts(explorer) == {"run": 2, "orbit": 2, "error": 2, "summary": 2, "curve": 2, "warning": 2, **once}
 
 

@@ -168,7 +168,7 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     assert explorer.portrait_panel.trouble.object == ""
     assert len(portrait.orbits.data["xs"]) == len(explorer.scene.used) > 0
     assert all(np.isfinite(x).sum() > 5 for x in portrait.orbits.data["xs"])  # a ring of genes turns six corners
-    axes = explorer.results.plane(explorer.scene.declaration, explorer.scene.axes)
+    axes = explorer.results.plane(explorer.scene.declaration, explorer.scene.axes).axes
     assert list(portrait.starts.data["x"]) == [laws.x0[axes[0]]]
     assert (len(portrait.ground.surface.data["x"]) > 1) == shows_surface(laws, axes)
     drawn = [np.isfinite(source.data["x"]).any() for source in portrait.ground.arrows.values()]

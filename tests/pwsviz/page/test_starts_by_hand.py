@@ -2,6 +2,7 @@
 
 import pytest
 
+from pwsviz.geometry.plane import Plane
 from pwsviz.geometry.window import Window
 from pwsviz.page.starts_by_hand import at_point
 
@@ -71,4 +72,4 @@ def test_a_double_click_fits_the_view_and_takes_back_what_its_first_click_placed
 def test_a_place_is_rounded_to_about_a_pixel_and_what_is_not_shown_stays():
     window = Window(0, 5000, 0, 10)
     assert at_point(1.23456, 2.0, window, (0.0, 0.0, 7.0)) == (1.0, 2.0, 7.0)
-    assert at_point(1.23456, 2.0, window, (5.0, 6.0, 7.0), (2, 0)) == (2.0, 6.0, 1.0)
+    assert at_point(1.23456, 2.0, window, (5.0, 6.0, 7.0), Plane((2, 0))) == (2.0, 6.0, 1.0)

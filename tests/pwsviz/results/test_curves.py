@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import core
+from pwsviz.geometry.plane import XY
 from pwsviz.geometry.polyline_reduction import RESOLUTION, screen_path
 from pwsviz.results.curves import LONG_STEPS, curve
 
@@ -25,7 +26,7 @@ def distance(point, path):
 )
 def test_the_curve_between_long_steps_is_that_of_the_method(method, tau, system):
     run = long_steps(method, tau, system)
-    path = curve(run, (0, 1)).points
+    path = curve(run, XY).points
     pixel = np.nanmax(np.ptp(path[np.isfinite(path).all(axis=1)], axis=0)) / RESOLUTION
     times = np.linspace(run.t[0], run.t[-1], 501)
     assert max(distance(point, path) for point in run.at(times)) < pixel
@@ -35,7 +36,7 @@ def test_the_curve_between_long_steps_is_that_of_the_method(method, tau, system)
 def test_short_steps_are_drawn_as_they_are():
     run = long_steps("dmm2", 1e-2)
     assert len(run.t) < LONG_STEPS
-    assert len(curve(run, (0, 1)).points) == len(run.t) + len(run.crossings)
+    assert len(curve(run, XY).points) == len(run.t) + len(run.crossings)
 
 
 def test_a_step_without_solution_between_its_ends_is_left_a_chord(monkeypatch):
@@ -45,7 +46,7 @@ def test_a_step_without_solution_between_its_ends_is_left_a_chord(monkeypatch):
         raise ValueError
 
     monkeypatch.setattr(core.Trajectory, "at", refuse)
-    assert len(curve(run, (0, 1)).points) == len(run.t) + len(run.crossings)
+    assert len(curve(run, XY).points) == len(run.t) + len(run.crossings)
 
 
 def test_where_a_step_leaps_from_one_solution_to_another_the_curve_is_soon_done(monkeypatch):
@@ -57,7 +58,7 @@ def test_where_a_step_leaps_from_one_solution_to_another_the_curve_is_soon_done(
         return at(self, times) + (times > leap)[:, None] * (times < run.t[5])[:, None]
 
     monkeypatch.setattr(core.Trajectory, "at", leaping)
-    curve(run, (0, 1))
+    curve(run, XY)
     assert len(asked) < 20
 
 
@@ -68,7 +69,7 @@ def test_of_very_many_long_steps_the_curve_is_that_of_the_method_and_complete(me
     system = core.CATALOGUE["elliptic_curve"]
     run = core.integrate(system, (0.0, t_end), tau=tau, method=method)
     assert len(run.t) > LONG_STEPS
-    given = curve(run, (0, 1))
+    given = curve(run, XY)
     assert not given.whole
     path = screen_path(given.points, given.kinks)
     orbit = core.integrate(system, (0.0, 20.0), tau=1e-3, method="rk8").x

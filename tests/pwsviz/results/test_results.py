@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import core
+from pwsviz.geometry.plane import Plane
 from pwsviz.geometry.polyline_reduction import RESOLUTION
 from pwsviz.geometry.window import Window
 from pwsviz.results.orbits import orbit_of
@@ -33,7 +34,7 @@ def test_portrait_and_error_share_one_run_for_each_method(results):
     for _ in range(2):
         results.pictures(portrait(Scene()))
         results.error_curves(run_inputs(Scene()))
-    assert dict(results.computed) == {"run": 2, "orbit": 2, "error": 2, "curve": 2, "summary": 2}
+    assert dict(results.computed) == {"run": 2, "orbit": 2, "error": 2, "curve": 2, "summary": 2, "plane": 1}
 
 
 def test_one_more_method_costs_one_more_run(results):
@@ -150,7 +151,7 @@ def test_a_jump_is_a_gap_in_the_path_and_a_line_of_its_own(results):
     assert np.array_equal(orbit.path[ends[0] + 1], run.crossings.x_after[0])
     inputs = run_inputs(Scene(system="vibrating_table"))[0]
     run = results.run(inputs)
-    orbit = orbit_of(inputs, run, None, (1, 2))
+    orbit = orbit_of(inputs, run, None, Plane((1, 2)))
     assert np.array_equal(orbit.jumps[0::3], orbit.crossings)
     assert np.array_equal(orbit.jumps[1], run.crossings.x_after[0][1:])
 
