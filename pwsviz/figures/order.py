@@ -82,6 +82,8 @@ class Row:
     """Standard error of the slope, of the residuals of the fit."""
     at_round_off: bool = False
     """Whether no error exceeds round-off."""
+    crossing: int = 0
+    """The crossing of which, or after which, the error is taken; 0 before the first."""
 
     @property
     def label(self) -> str:
@@ -138,12 +140,13 @@ def look_after(k: int) -> Line:
 
 def state_rows(study: core.OrderStudy) -> list[Row]:
     """Return the curves of the state error before the first crossing and after each of the studied ones."""
+    numbers = [0, *study.crossings]
     names = [("before the first crossing", "before")]
     names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
     fitted = study.state_error, study.state_slope, study.window
     above, round_off = study.fit_above.tolist(), study.at_round_off.tolist()
     return [
-        Row(*names[k], error, slope, window, above[k], study.fit_below, look_after(k), spread, round_off[k])
+        Row(*names[k], error, slope, window, above[k], study.fit_below, look_after(k), spread, round_off[k], numbers[k])
         for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
     ]
 
@@ -154,7 +157,19 @@ def time_rows(study: core.OrderStudy) -> list[Row]:
     fitted = study.time_error, study.time_slope, study.time_window
     above, below, round_off = study.time_fit_above.tolist(), study.time_fit_below, study.time_at_round_off.tolist()
     return [
-        Row(names[k], names[k], error, slope, window, above[k], below, look_after(k + 1), spread, round_off[k])
+        Row(
+            names[k],
+            names[k],
+            error,
+            slope,
+            window,
+            above[k],
+            below,
+            look_after(k + 1),
+            spread,
+            round_off[k],
+            study.crossings[k],
+        )
         for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
     ]
 
@@ -213,8 +228,9 @@ def order_tables(shown: Sequence[Studied]) -> Mapping[str, Callable[[], Mapping[
 
 
 def guide_slopes(shown: Sequence[Studied]) -> list[int]:
-    """Return the slopes of the lines with which curves are compared: 1, 2, and the orders of the integrators."""
-    return sorted({1, 2} | {one.order for one in shown})
+    """Return the slopes of the lines with which curves are compared: the orders of the integrators, and those met."""
+    met = {max(1, round(row.slope)) for one in shown for row in one.rows if np.isfinite(row.slope)}
+    return sorted(met | {one.order for one in shown})
 
 
 def order_numbers(shown: Sequence[Studied]) -> list[Numbers]:

@@ -76,8 +76,20 @@ def slopes_text(shown: Sequence[Studied]) -> str:
     """Return the slopes of an order plot in words; those of several integrators stand in a table."""
     if len(shown) > 1:
         return ""
-    slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in shown[0].rows)
-    return f"{shown[0].method}: {slopes}."
+    alike: dict[str, list[Row]] = {}
+    for row in shown[0].rows:
+        alike.setdefault(row.slope_text, []).append(row)
+    return f"{shown[0].method}: {'; '.join(f'{slope} {_all_where(rows)}' for slope, rows in alike.items())}."
+
+
+def _all_where(rows: Sequence[Row]) -> str:
+    """Return where errors of several curves are taken: “before the first crossing and after 10 and 20 crossings”."""
+    first = [row.name for row in rows if not row.crossing]
+    numbers = [row.crossing for row in rows if row.crossing]
+    if any(map(_of_time, rows)):
+        return f"for {numbered_crossings(numbers)}"
+    later = [f"after {listed(list(map(str, numbers)))} crossing{'s' * (numbers != [1])}"] * bool(numbers)
+    return " and ".join([*first, *later])
 
 
 def study_text(shown: Sequence[Studied], early: bool) -> str:

@@ -13,13 +13,14 @@ from pwsviz.figures.order import (
     Row,
     Studied,
     fitted_line,
+    guide_slopes,
     order_numbers,
     order_tables,
     state_rows,
     studied,
     time_rows,
 )
-from pwsviz.figures.summaries import study_text
+from pwsviz.figures.summaries import slopes_text, study_text
 from pwsviz.results.requests import study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
@@ -81,7 +82,7 @@ def test_several_integrators_have_their_own_looks_and_their_slopes_in_a_table():
     assert view.curves.data["label"] == ["dmm2"] * 3 + ["rk4"] * 3
     assert view.curves.data["colour"] == [line_of(name).colour for name in ["dmm2"] * 3 + ["rk4"] * 3]
     assert len(set(view.points.data["marker"])) == len(set(view.points.data["label"])) == 3
-    assert view.guide_names.data["text"] == ["slope 1", "slope 2", "slope 4"]
+    assert view.guide_names.data["text"] == ["slope 2", "slope 4"]
     (table,) = order_numbers(shown)
     assert [row[:2] for row in table.rows] == [("dmm2", "2"), ("rk4", "4")]
     assert [float(row[2]) for row in table.rows] == pytest.approx([2, 4], abs=0.15)
@@ -149,7 +150,7 @@ def test_of_errors_that_are_round_off_no_slopes_are_drawn_and_of_none_no_key():
     assert not view._fit.visible
     view.show([one_curve(taus, Row("x", "x", taus**2, 2.0, (0.025, 0.1)), 1e-14)])
     assert view._fit.visible
-    assert view.guide_names.data["text"] == ["slope 1", "slope 2"]
+    assert view.guide_names.data["text"] == ["slope 2"]
 
 
 def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
@@ -248,3 +249,27 @@ def test_lines_of_slopes_lie_apart_from_curves_that_are_about_as_steep_and_withi
         beside = (taus <= 0.019) & (taus >= x[0])
         if steep == slope:
             assert (y[0] * (taus / x[0]) ** slope >= 2 * error * (1 - 1e-9))[beside].all()
+
+
+def test_slopes_that_agree_are_told_once_with_where_they_were_measured():
+    taus, alike = np.logspace(-3, -1, 5), (2.0, (1e-3, 1e-1))
+    early = Row("before the first crossing", "before", taus**2, *alike)
+    late = [Row(f"after {k} crossings", f"after {k}", taus**2, *alike, crossing=k) for k in (10, 20)]
+    off = Row("after 30 crossings", "after 30", taus, 1.0, (1e-3, 1e-1), crossing=30)
+    said = slopes_text([Studied("dmm2", 2, taus, [early, *late, off], "exact")])
+    assert (
+        said
+        == "dmm2: slope 2.00 before the first crossing and after 10 and 20 crossings; slope 1.00 after 30 crossings."
+    )
+    times = [Row(f"crossing {k}", f"crossing {k}", taus**2, *alike, crossing=k) for k in (1, 2)]
+    assert slopes_text([Studied("rk2", 2, taus, times[:1], "exact")]) == "rk2: slope 2.00 for crossing 1."
+    assert slopes_text([Studied("rk2", 2, taus, times, "exact")]) == "rk2: slope 2.00 for crossings 1 and 2."
+    once = Row("after 1 crossing", "after 1", taus**2, *alike, crossing=1)
+    assert slopes_text([Studied("rk2", 2, taus, [once], "exact")]) == "rk2: slope 2.00 after 1 crossing."
+
+
+def test_guides_have_the_orders_and_the_slopes_that_are_met_and_no_others():
+    taus = np.logspace(-3, -1, 5)
+    rows = [Row("x", "x", taus, slope, (1e-3, 1e-1)) for slope in (0.98, 2.02, np.nan)]
+    assert guide_slopes([Studied("rk4", 4, taus, rows, "exact")]) == [1, 2, 4]
+    assert guide_slopes([Studied("rk2", 2, taus, rows[1:], "exact")]) == [2]

@@ -185,7 +185,7 @@ def test_a_study_of_few_crossings_says_so(explorer):
     explorer.scene.param.update(system="coulomb_friction", view="order")
     explorer.settle(20)
     words = explorer.views["order"].words.object
-    assert "after 1 crossing, slope" in words
+    assert "before the first crossing and after 1, 2 and 3 crossings" in words
     assert "fewer crossings than the usual" in words
 
 
