@@ -27,7 +27,7 @@ from pwsviz.scene.equations import equations, indexed
 from pwsviz.scene.names import met_at_surfaces, readable, short_name
 from pwsviz.scene.scene import Scene
 from pwsviz.text.math_names import variable_name
-from pwsviz.text.numbers import brief, printed
+from pwsviz.text.numbers import brief, printed, shortest
 from pwsviz.text.words import JUMPS_MARKED, as_text, listed, perturbation
 
 __all__ = [
@@ -221,11 +221,12 @@ def law_line(system: core.PiecewiseSystem, values: Mapping[str, float]) -> str:
 
 
 def run_line(scene: Scene) -> str:
-    """Return the step size as HTML for the header, and what is unusual at crossings."""
+    """Return step size and span of time as HTML for the header, and what is unusual at crossings."""
     at_crossings = ["crossings not located"] * (not scene.locate)
     if scene.locate and scene.perturbation_order is not None:
         at_crossings = [f"crossings perturbed by {perturbation(scene.perturbation_order, scene.perturbation_scale)}"]
-    return _with_powers("; ".join([f"τ {brief(scene.tau)}", *at_crossings]), "law short")
+    span = f"0 ≤ t ≤ {shortest(float(scene.t_end))}"
+    return _with_powers("; ".join([f"τ {brief(scene.tau)}, {span}", *at_crossings]), "law short")
 
 
 def _with_powers(law: str, kind: str) -> str:

@@ -15,7 +15,7 @@ from pwsviz.widgets.panes import markup_pane
 
 __all__ = ["Headline"]
 
-SHOWN = ["values", "tau", "locate", "perturbation_order", "perturbation_scale"]
+SHOWN = ["values", "tau", "t_end", "locate", "perturbation_order", "perturbation_scale"]
 """What of a scene a lecture shows beside the equations."""
 
 
@@ -36,6 +36,8 @@ class Headline:
         self._of_lecture: Watcher | None = None
         self.tagline, self.greeting = markup_pane(TAGLINE_CSS), markup_pane(GREETING_CSS)
         self.greeting.object = GREETING
+        if scene.system != Scene.param.system.default:
+            self.show()
         self._write_tagline()
         scene.param.watch(lambda *_: self.show(), ["system", "own"])
 

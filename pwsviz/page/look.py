@@ -49,9 +49,10 @@ footer a { color: inherit; }
 TAGLINE_CSS = """
 p, .lecture { font-size: 0.8125rem; line-height: 1.3; margin: 0 0 0 12px; }
 p { max-width: 64ch; color: var(--mui-palette-text-secondary); display: var(--usual, block); }
-.lecture { color: var(--mui-palette-text-primary); display: var(--lecture, none); align-items: baseline; }
+.lecture { color: var(--mui-palette-text-primary); display: var(--lecture, none); align-items: baseline;
+    font-size: min(1rem, max(0.8125rem, 1.25vw)); padding: 6px 0; }
 .lecture b { flex: none; max-width: 30%; }
-.lecture .law { display: inline-block; font-size: min(1em, 1.1vw); color: inherit; max-width: none;
+.lecture .law { display: inline-block; font-size: min(1em, 1vw); color: inherit; max-width: none;
     margin: 0 0 0 1.2em; text-indent: 0; }
 .lecture .short { font-size: 1em; }
 .lecture sup { line-height: 0; font-size: 0.75em; }

@@ -9,6 +9,7 @@ def test_a_fresh_page_says_what_it_is_and_another_system_has_its_name_there():
     scene = Scene()
     head = Headline(scene)
     assert "Tap in the portrait" in head.greeting.object
+    assert "Bouncing ball" in Headline(Scene(system="bouncing_ball")).greeting.object, "as opened by a link"
     assert head.tagline.object.endswith("<b>Elliptic curve</b></div>")
     scene.system = "kepler"
     assert head.greeting.object == '<p class="greeting"><b>Kepler with a shell</b></p>'
@@ -28,7 +29,7 @@ def test_a_lecture_tells_the_laws_and_the_parameters_as_they_change():
     assert "ε\xa0=\xa00.5" in head.tagline.object, "but for its parameters"
     assert "τ\xa0=\xa00.01" in head.tagline.object
     scene.locate = False
-    assert "τ = 0.01; crossings not located" in head.tagline.object.replace("\xa0", " ")
+    assert "τ = 0.01, 0 ≤ t ≤ 20; crossings not located" in head.tagline.object.replace("\xa0", " ")
     scene.locate, scene.perturbation_order = True, 3
     assert "crossings perturbed by τ³" in head.tagline.object.replace("\xa0", " ")
     scene.system = "elliptic_curve"
