@@ -148,7 +148,7 @@ def outcome(end: Ending) -> str:
 
 def _coordinate(name: str, value: float, size: float) -> str:
     """The value of a coordinate, of which the largest along the run is of this size."""
-    return f"{name} = 0 to rounding" if 0.0 < abs(value) <= _ROUNDING * size else f"{name} = {value:.6g}"
+    return f"{name} = 0 up to rounding" if 0.0 < abs(value) <= _ROUNDING * size else f"{name} = {value:.6g}"
 
 
 def reason(end: Ending) -> str:

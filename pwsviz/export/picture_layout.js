@@ -84,8 +84,9 @@ const names_levels = (axis, side) => axis.ticker?.type == "FixedTicker" && axis.
 
 // The levels of an axis that are seen, downwards, and their names; letters where one of these takes more than a line.
 const levels_of = (axis, { start, end }, width) => {
-  const levels = [...axis.ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)
-  const names = axis.formatter.doFormat(levels, { loc: 0 }).map(name => name.replaceAll("\n", " ").trim())
+  const seen = [...axis.ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)
+  const words = axis.formatter.doFormat(seen, { loc: 0 }).map(name => name.replaceAll("\n", " ").trim())
+  const levels = seen.filter((_, k) => words[k] != ""), names = words.filter(name => name != "")
   const labels = names.map(name => wrapped(name, NAMED * width, SMALL))
   const fit = labels.every(lines => lines.length == 1 && width_of(lines[0], SMALL) <= NAMED * width)
   const letters = names.map((_, k) => [String.fromCharCode(97 + k)])
@@ -268,6 +269,7 @@ const reach_of = (svg, frame) => {
 }
 
 const SHAPE = 0.5  // height of a frame by the width of the picture, where neither is bound to the other
+const NARROW = 600, TALLER = 0.64  // pixels up to which a picture is of one column, and the same of its frame
 const SHAPES = 1  // the same of several frames together
 
 const LOWEST = 60  // pixels of a frame, however many there are
@@ -282,7 +284,7 @@ const equal_scales = ({ frame: { bbox } }, across, most) => {
 // Figures for a picture of a given width, together at most so tall where their frames have at least a height then: each as an SVG element with its size
 // and the height of its frame in pixels. Frames have one left edge and one right edge.
 export const drawn = async (views, width, { printed, shades }, tallest, least) => {
-  const shape = Math.min(SHAPE, SHAPES / views.length)
+  const shape = Math.min(width < NARROW ? TALLER : SHAPE, SHAPES / views.length)
   let seen = views.map(({ frame }) => ({ left: 0, right: RIM, around: 0, tall: shape * width, scale: frame.y_scale }))
   const shape_of = (view, k) => {
     const around = seen.reduce((sum, one) => sum + one.around, 0)

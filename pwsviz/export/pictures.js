@@ -156,6 +156,21 @@ const of_width = (png, pixels_per_metre) => {
 // As long as before: the table at the end of the file tells where each object begins.
 const conforming = pdf => pdf.replaceAll("/Ordering (Identity-H)", "/Ordering (Identity)  ")
 
+// Put a question mark in place of each character that the font of a PDF does not have; return these characters.
+const replace_unknown = (svg, font) => {
+  const lacks = new Set(), texts = document.createTreeWalker(svg, NodeFilter.SHOW_TEXT)
+  while (texts.nextNode()) {
+    const { currentNode: words } = texts
+    if (words.parentNode.closest("text") == null) continue
+    words.data = Array.from(words.data, one => {
+      if (font.characterToGlyph(one.codePointAt(0)) > 0) return one
+      lacks.add(one)
+      return "?"
+    }).join("")
+  }
+  return [...lacks].join(" ")
+}
+
 const WRITERS = {
   async svg({ svg }) {
     return new Blob([new XMLSerializer().serializeToString(svg)], { type: "image/svg+xml" })
@@ -174,7 +189,8 @@ const WRITERS = {
     if (made == null) throw new Error("a PNG of so many pixels is too large for this browser")
     return of_width(made, Math.round(canvas.width / wish.millimetres * 1000))
   },
-  async pdf({ svg, width, height }, wish) {
+  async pdf(made, wish) {
+    const { svg, width, height } = made
     if (globalThis.svg2pdf == null) {  // half a megabyte, which only a PDF needs
       await script("vendor/jspdf.umd.min.js")
       await script("vendor/svg2pdf.umd.min.js")
@@ -191,6 +207,7 @@ const WRITERS = {
       words.setAttribute("font-family", SLANTED)
     }
     paper.setFont(FONT)
+    made.lacks = replace_unknown(svg, paper.getFont().metadata)
     await paper.svg(svg, { x: 0, y: 0, width: size[0], height: size[1] })
     return new Blob([Uint8Array.from(conforming(paper.output()), byte => byte.charCodeAt(0))], { type: "application/pdf" })
   },
@@ -212,8 +229,9 @@ export const save = async (ids, chosen) => {
   link.download = wish.name
   link.click()
   setTimeout(() => URL.revokeObjectURL(link.href), 60000)
+  const lacks = made.lacks ? `${wish.name} has “?” in place of ${made.lacks}: its font lacks them; SVG and PNG have them.` : ""
   const tall = wish.millimetres * made.height / made.width, over = Math.ceil(tall - tallest)
-  if (over <= 0) return ""
+  if (over <= 0) return lacks
   const cause = (1 - made.described) * tall <= tallest ? "caption needs" : "figures need"
-  return `${wish.name} is ${tallest + over} mm high: its ${cause} ${over} mm more than the height chosen.`
+  return `${wish.name} is ${tallest + over} mm high: its ${cause} ${over} mm more than the height chosen. ${lacks}`.trim()
 }

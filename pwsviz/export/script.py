@@ -76,7 +76,7 @@ def snippet(scene: Scene, study: str = "") -> str:
     study : str
         Lines of the open view, such as `order_program` returns; empty if it makes no study.
     """
-    imports = f"# {scene.declaration.name!r}, by {release()}.\nimport numpy as np\n\nimport core"
+    imports = f"# {scene.declaration.name!r}, by {release()}, which brings core.\nimport numpy as np\n\nimport core"
     paragraphs = [imports, _system(scene), _figures(scene), _runs(scene)]
     if study:
         paragraphs.append(study)

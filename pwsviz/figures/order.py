@@ -228,9 +228,9 @@ def order_tables(shown: Sequence[Studied]) -> Mapping[str, Callable[[], Mapping[
 
 
 def guide_slopes(shown: Sequence[Studied]) -> list[int]:
-    """Return the slopes of the lines with which curves are compared: the orders of the integrators, and those met."""
-    met = {max(1, round(row.slope)) for one in shown for row in one.rows if np.isfinite(row.slope)}
-    return sorted(met | {one.order for one in shown})
+    """Return the slopes of the lines with which curves are compared: orders of integrators, and lower slopes met."""
+    met = {(max(1, round(row.slope)), one.order) for one in shown for row in one.rows if np.isfinite(row.slope)}
+    return sorted({slope for slope, order in met if slope < order} | {one.order for one in shown})
 
 
 def order_numbers(shown: Sequence[Studied]) -> list[Numbers]:

@@ -82,6 +82,14 @@ def slopes_text(shown: Sequence[Studied]) -> str:
     return f"{shown[0].method}: {'; '.join(f'{slope} {_all_where(rows)}' for slope, rows in alike.items())}."
 
 
+def all_slopes_text(shown: Sequence[Studied]) -> str:
+    """Return the slopes of several integrators, curve by curve, in a sentence; of a single one the legend has them."""
+    if len(shown) < 2:
+        return ""
+    each = [f"{one.method} {', '.join(row.slope_number for row in one.rows)}" for one in shown]
+    return f"Fitted slopes {_all_where(shown[0].rows)}: {'; '.join(each)}."
+
+
 def _all_where(rows: Sequence[Row]) -> str:
     """Return where errors of several curves are taken: “before the first crossing and after 10 and 20 crossings”."""
     first = [row.name for row in rows if not row.crossing]
@@ -148,7 +156,7 @@ def numbered_crossings(crossings: Sequence[int]) -> str:
 
 def fit_rule(shown: Sequence[Studied]) -> str:
     """Return which errors enter the fits, or of which there are too few."""
-    drawn = [(f"{one.method} " * (len(shown) > 1) + _where(row), row) for one in shown for row in one.rows]
+    drawn = [(f"to {one.method} " * (len(shown) > 1) + _where(row), row) for one in shown for row in one.rows]
     without: dict[str, list[str]] = {}
     for name, row in drawn:
         if not math.isfinite(row.slope):
@@ -190,8 +198,10 @@ def _reach(shown: Sequence[Studied]) -> str:
     """Say up to which step size errors are fitted, unless all between the limits are."""
     ends = [(row.window[1], _greatest(one.taus, row)) for one in shown for row in one.rows if math.isfinite(row.slope)]
     cut = [reached < greatest for reached, greatest in ends]
-    where = "" if all(cut) else ", where it does"
-    return f", below the step size at which the local slope changes{where}" * any(cut)
+    where = "" if all(cut) else ", where the local slope changes,"
+    return f" and{where} to step sizes below {'that' if where else 'the one at which the local slope changes'}" * any(
+        cut
+    )
 
 
 def _greatest(taus: Floats, row: Row) -> float:
@@ -219,7 +229,8 @@ def _bounds(shown: Sequence[Studied]) -> str:
     if found[0].fit_above == found[1].fit_above:
         return f"between {rounded(found[0].fit_above)} ({lower}) and {below} ({upper})"
     least, greatest = sorted(row.fit_above for row in found)
-    return f"above {rounded(least)} to {rounded(greatest)}, by curve ({lower}), and below {below} ({upper})"
+    between = f"above a limit between {rounded(least)} and {rounded(greatest)}, depending on the curve"
+    return f"{between} ({lower}), and below {below} ({upper})"
 
 
 def _where(row: Row) -> str:

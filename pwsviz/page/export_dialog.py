@@ -14,7 +14,7 @@ import panel as pn
 import panel_material_ui as pmui
 from bokeh.plotting import figure
 
-from pwsviz.export.about import about
+from pwsviz.export.about import about, release
 from pwsviz.export.caption import caption, short_caption
 from pwsviz.export.files import Table, Tables, csv_bytes, file_name, npz_bytes
 from pwsviz.export.latex import latex_file
@@ -250,7 +250,7 @@ def _complaint() -> pmui.Typography:
 
 def _caption(scene: Scene, piece: Piece) -> str:
     words = caption(scene, piece.heading or piece.title, **piece.origin)
-    return f"{words} {piece.meaning}".strip()
+    return " ".join(filter(None, [words, piece.meaning, f"Computed with {release()}."]))
 
 
 def _short_caption(scene: Scene, piece: Piece) -> str:

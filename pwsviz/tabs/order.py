@@ -24,7 +24,7 @@ from pwsviz.figures.order import (
     studied,
     time_rows,
 )
-from pwsviz.figures.summaries import fit_rule, numbered_crossings, slopes_text, study_text, study_times
+from pwsviz.figures.summaries import all_slopes_text, fit_rule, numbered_crossings, slopes_text, study_text, study_times
 from pwsviz.results.requests import StudyInputs, study_inputs
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.names import met_at_surfaces
@@ -34,6 +34,9 @@ from pwsviz.text.tables import Numbers
 from pwsviz.text.words import at_surface, listed, perturbation
 from pwsviz.widgets.panes import leave_out
 from pwsviz.widgets.setting_buttons import choice
+
+FITS = "Broad lines: least-squares fits."
+"""What captions say of them."""
 
 Studies = tuple[core.OrderStudy, ...]
 """One of each integrator."""
@@ -127,6 +130,18 @@ class OrderTab(LongTab):
     def heading(self, outcome: Studies) -> str:
         """Return which error converges."""
         return "Convergence of the state" if self._rows is state_rows else "Convergence of the crossing times"
+
+    def meaning(self, outcome: Studies) -> str:
+        """Return what the broad lines are, and the slopes that no legend tells, for captions."""
+        shown = studied(outcome, self._rows)
+        fitted = any(np.isfinite(row.slope) for one in shown for row in one.rows)
+        return " ".join(filter(None, [FITS * fitted, all_slopes_text(shown) if fitted else ""]))
+
+    def key(self, outcome: Studies) -> str:
+        """Return the same, and when states are compared."""
+        when = "“Before”: halfway to the first crossing; “after k”: halfway from crossing k to the next."
+        fitted = FITS in self.meaning(outcome)
+        return " ".join(filter(None, [when * (self._rows is state_rows), FITS * fitted]))
 
     def how(self, outcome: Studies) -> str:
         """Return the integrators, what they do at crossings, and what they are compared with."""

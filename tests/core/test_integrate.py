@@ -324,7 +324,7 @@ def test_a_method_that_keeps_psi_says_so_where_psi_is_not_defined(method):
 def test_where_crossings_accumulate_a_speed_that_is_round_off_is_called_so_but_no_small_number_elsewhere():
     ball = core.integrate("bouncing_ball", (0.0, 20.0))
     assert ball.status is Status.ZENO
-    assert "v = 0 to rounding" in ball.message
+    assert "v = 0 up to rounding" in ball.message
     prey = core.integrate("predator_prey", (0.0, 5.0), (-1.0, 1.0), method="dmm2")
     assert 0.0 < prey.x[-1, 1] < 1e-16
     assert "to rounding" not in prey.message

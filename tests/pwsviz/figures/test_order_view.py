@@ -168,7 +168,7 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
         (later, f"to errors between {rounded(later.fit_above)} {lower} and {rounded(exact.fit_below)} {upper}."),
         (
             replace(later, window=(later.window[0], float(taus[2]))),
-            f"{upper}, below the step size at which the local slope changes.",
+            f"{upper} and to step sizes below the one at which the local slope changes.",
         ),
     ):
         view, (shown,) = OrderView("error"), studied([exact], lambda _, row=row: [row])
@@ -191,7 +191,7 @@ def test_where_round_off_grows_the_least_and_the_greatest_limit_of_a_fit_are_tol
         assert view.floor.names.args["names"] == marked
         told = study_text([shown], early=False)
         assert (
-            f"fits to errors above {rounded(min(above))} to {rounded(max(above))}, by curve (50 times accumulated"
+            f"fits to errors above a limit between {rounded(min(above))} and {rounded(max(above))}, depending on the curve (50 times accumulated"
             in told
         )
 
