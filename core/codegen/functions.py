@@ -185,7 +185,8 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: 
     targets, values = [*map(str, fields), "rate"], names.own([*mode.field, mode.rate_of(guard)])
     lines += assignments(targets, values, names.temporaries)
     lines += [f"speed = max({', '.join(f'abs({f})' for f in fields)}, 0.0)", f"w[{abi.DELAY}] = 0.0"]
-    lines += ["if not speed > 0.0:", "    return 0", size_line(names.x)]
+    whole = " + ".join(f"abs({f})" for f in fields)  # NaN if any is: beyond its surface a field may be undefined
+    lines += [f"if not 0.0 < {whole} < math.inf:", "    return 0", size_line(names.x)]
     farthest = _FARTHEST_OF_DRIFT if drifts else _FARTHEST
     if kept:
         entries, worked_out = row_lines([names.own(u.diff(v) for v in laws.x) for u in kept], names.temporaries)

@@ -38,7 +38,7 @@ def second_rate_bound(scheme: Scheme, branch: Branch) -> Floats:
 
     Returns
     -------
-    (k,); inf where d²g/dt² is not finite at one of the points.
+    (k,); inf where d²g/dt² is infinite at one of the points, nan where it is not defined at one, as beyond a root.
     """
     t, x, h = branch.t, branch.x, branch.length / _PARTS
     largest = np.abs(_second_rate(scheme.system, branch, t, x))
@@ -46,7 +46,7 @@ def second_rate_bound(scheme: Scheme, branch: Branch) -> Floats:
         x = x + h[:, None] * by_number(branch.mode, scheme.runge_kutta, t, x, h)
         t = t + h
         largest = np.maximum(largest, np.abs(_second_rate(scheme.system, branch, t, x)))
-    return 0.5 * np.where(np.isfinite(largest), largest, np.inf)
+    return 0.5 * largest
 
 
 def discrete_constants(scheme: Scheme, branch: Branch) -> tuple[Floats, Floats, Floats]:

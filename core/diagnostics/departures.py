@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.codegen.rounding import rounding_bound
 from core.diagnostics.examined_steps import Steps
@@ -39,6 +40,10 @@ _GRADED = np.concatenate([[0.0], 16.0 ** np.arange(-11, -1), _FEW[1:]])
 _MOST_PEAKS = 64
 #: Part of the places in a step with a peak, those from which the state is least far, that tell how far it goes.
 _USUAL = 0.75
+#: Steps after a momentary rest that are examined, too; the last of them ends what tells how far the state goes.
+_LATER = (8, 32)
+#: Departure at such a rest, as part of the way of a later step on average, up to which a step is short enough.
+_AT_REST = 1e-3
 #: Least unit of a coordinate, relative to the largest unit of all coordinates.
 _SLIGHT = 1e-9
 
@@ -135,12 +140,17 @@ def _allowed(steps: Steps, found: Departures, unit: Floats) -> Floats:
 
 
 def _too_long(steps: Steps, found: Departures, unit: Floats) -> Iterator[str]:
-    """Warn of the step with the largest departure as part of its way, in units of each coordinate."""
+    """Warn of the step with the largest departure as part of its way, in units of each coordinate.
+
+    None is a step of fixed size at a momentary rest, after which the next ones are far longer than its departure.
+    """
     apart = np.where(found.apart > _allowed(steps, found, unit), found.apart, 0.0)
     part, most = _part(apart, found.way, unit), _APART_KEPT if steps.method.adaptive else APART
     suspected = np.flatnonzero(part > most)
     apart[suspected] *= apart[suspected] > _noise(steps.some(suspected))  # its text is long, so few runs ask for it
     part[suspected] = _part(apart[suspected], found.way[suspected], unit)
+    if len(suspected) and not steps.method.adaptive:
+        part[suspected] *= ~_rests(steps.some(suspected), apart[suspected], unit)
     if part.max(initial=0.0) > most:
         worst = int(np.argmax(part))
         yield (
@@ -153,6 +163,25 @@ def _part(apart: Floats, way: Floats, unit: Floats) -> Floats:
     """Departures (k,) as parts of the way, in units of each coordinate."""
     with np.errstate(all="ignore"):
         return np.asarray(np.nan_to_num((apart / unit).max(axis=1) / (way / unit).max(axis=1), nan=0.0))
+
+
+def _rests(steps: Steps, apart: Floats, unit: Floats) -> NDArray[np.bool_]:
+    """(k,) which steps begin at a momentary rest, and are short enough: later ones go far beyond the departure, and
+    are short enough, too.
+
+    From a rest the state goes as a power of time, of which a method of low order has a wrong factor whatever its step.
+    """
+    t, x, farthest = steps.t, steps.x, np.zeros_like(steps.x)
+    resolved = np.ones(len(steps), dtype=bool)
+    for later in range(1, _LATER[-1] + 1):
+        x = steps.states(t, x, steps.mode, (t + steps.h)[:, None])[:, 0]
+        t = t + steps.h
+        with np.errstate(all="ignore"):
+            farthest = np.fmax(farthest, np.abs(x - steps.x))
+        if later in _LATER:
+            found = departures(Steps(steps.run, t, x, steps.mode, steps.h))
+            resolved &= np.isfinite(found.way).all(axis=1) & (_part(found.apart, found.way, unit) <= APART)
+    return np.asarray(resolved & (_part(apart, farthest / _LATER[-1], unit) <= _AT_REST))
 
 
 def _noise(steps: Steps) -> Floats:

@@ -204,10 +204,10 @@ def _least(values: Floats) -> float:
     return float(known.min()) if known.size else math.nan
 
 
-_SECOND = "a second crossing within the step cannot be excluded; take {}"
+_SECOND = "a second crossing within the step cannot be excluded{}"
 _UNSOLVED = (
-    "beyond it the theory does not tell that the step {} the surface has one solution; the bound is sufficient, not "
-    "necessary, and depends on the units of the variables"
+    "beyond it the theory does not guarantee that the step {} the surface has a unique solution; the bound is "
+    "sufficient, not necessary, and depends on the units of the variables"
 )
 #: Bounds on τ: field of `Constants`, name in a warning, and what may happen beyond it, with room for what to do.
 _BOUNDS = (
@@ -228,7 +228,8 @@ def _warnings(tau: float, t: Floats, constants: Constants) -> Iterator[str]:
         rows = np.flatnonzero(values < tau)
         if rows.size:
             worst = rows[np.argmin(values[rows])]
-            advice = f"tau below {_round_down(values[worst]):.2g}" if values[worst] > 0.0 else "a smaller tau"
+            below = f"; take tau below {_round_down(values[worst]):.2g}" if values[worst] > 0.0 else None
+            advice = below or " by any tau, as the second derivative of g is not bounded there"
             where = _place(t, rows, worst)
             yield f"tau = {tau:.3g} exceeds {bound} = {values[worst]:.3g}{where}: {consequence.format(advice)}"
 

@@ -45,6 +45,11 @@ class Stop(NamedTuple):
     doubtful: bool = False
     """As in `Ending`."""
 
+    @property
+    def where(self) -> str:
+        """Time and state in words: “t = 1.25, x = (0, -1)”."""
+        return f"t = {self.t:.16g}, x = ({', '.join(f'{value:.6g}' for value in self.x)})"
+
 
 class Arrival(NamedTuple):
     """Where an arc ends."""
@@ -227,4 +232,4 @@ class ReferenceSolution:
             self.stop = Stop(float(met.t), met.x.astype(float), *onward)
         if self.stop.t >= until:
             return False
-        raise ValueError(f"the solution ends at t = {self.stop.t:.16g}, x = {self.stop.x}: {self.stop.reason}")
+        raise ValueError(f"the solution ends at {self.stop.where}: {self.stop.reason}")

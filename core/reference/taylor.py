@@ -127,8 +127,11 @@ class _Path:
         self._runner = Runner(system, METHODS["taylor"], t0, tuple(x0), settings)
         self._kept = [_Snapshot(t0, self._runner.copy())]
         self.stop: Stop | None = None  #: set once the run is known to end
-        speed = np.linalg.norm(system.field(system.laws.name(self._runner.first_region), t0, x0))
-        self._stride = float(np.linalg.norm(x0)) / (float(speed) or 1.0) or 1.0
+        self._lost = False  # whether then the solution goes on, as far as is known
+        # Beyond its region a law may have no value.
+        speeds = [np.linalg.norm(system.field(law.name, t0, x0)) for law in system.laws.regions]
+        speed = max((float(one) for one in speeds if 0.0 < one < np.inf), default=1.0)
+        self._stride = float(np.linalg.norm(x0)) / speed or 1.0
 
     def begin(self) -> None:
         """Take the first stride; ValueError where the start is on the surface and cannot leave it to one side."""
@@ -170,9 +173,10 @@ class _Path:
         runner, before = self._runner, self._runner.steps
         if self.stop is None and _advance(runner, runner.t + self._stride) is not Status.COMPLETED:
             self.stop = Stop(runner.t, runner.x, reason(ending_of(runner)))
+            self._lost = runner.status is Status.NO_CONVERGENCE
         if self.stop is not None:
-            where = f"t = {self.stop.t:.16g}, x = {self.stop.x}"
-            raise ValueError(f"the solution ends at {where}, before {wanted}: {self.stop.reason}")
+            ends = "the reference cannot be continued beyond" if self._lost else "the solution ends at"
+            raise ValueError(f"{ends} {self.stop.where}, before {wanted}: {self.stop.reason}")
         self._kept.append(_Snapshot(runner.t, runner.copy()))
         self._stride *= 2.0 if runner.steps - before < _STRIDE else 1.0
 

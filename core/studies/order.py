@@ -275,7 +275,8 @@ def _crossing_time(exact: Solution, k: int, numbers: tuple[int, ...]) -> float:
         return exact.crossing(k)[0]
     except ValueError as why:
         needed = f"crossings = {numbers!r}: crossing {numbers[-1]} and the one after it are needed"
-        raise ValueError(f"{needed}, but the trajectory has {k - 1} crossings: {why}") from None
+        known = "none is known" if k == 1 else f"only {k - 1} {'is' if k == 2 else 'are'} known"
+        raise ValueError(f"{needed}, but {known}: {why}") from None
 
 
 #: Times of the crossings (k,), and states (1 + k, d), of one run.

@@ -191,9 +191,9 @@ def test_where_round_off_grows_the_least_and_the_greatest_limit_of_a_fit_are_tol
         assert view.floor.names.args["names"] == marked
         told = study_text([shown], early=False)
         assert (
-            f"fits to errors above a limit between {rounded(min(above))} and {rounded(max(above))}, depending on the curve (50 times accumulated"
-            in told
-        )
+            f"fits to errors above a limit between {rounded(min(above))} and {rounded(max(above))}, depending on the "
+            "curve (50 times accumulated"
+        ) in told
 
 
 def test_why_a_curve_has_no_slope_is_said_of_each_reason():
