@@ -52,8 +52,14 @@ from pwsviz.results.error_curve import ErrorCurve
 FLOOR = MACHINE_EPSILON / 8
 """|Change of ψ| at which smaller ones and exact zeros are drawn, since a logarithmic axis has no place for them."""
 
-FOOT, BOTTOM = FLOOR / 7, FLOOR / 25
-"""Heights of the marks of crossings, below every curve, and of the lower end of the axis."""
+BELOW_ROUND_OFF = 64.0
+"""Ratio of round-off and this level, which is lower for a ψ whose round-off is less than that of 1."""
+
+FOOT, BOTTOM = 1 / 7, 1 / 25
+"""Heights of the marks of crossings, below every curve, and of the lower end of the axis, relative to this level."""
+
+FULL = 400.0
+"""Height of the axis above this level, at least."""
 
 TICK = 8
 """Size in pixels of the mark of a crossing."""
@@ -82,7 +88,6 @@ class ConservedView:
             x_range=DataRange1d(range_padding=2 * BESIDE),
             y_range=DataRange1d(range_padding=0.06),
         )
-        self.figure.yaxis[0].bounds = (FLOOR, NO_BOUND)  # below, marks stand at times, and no numbers at heights
         self._band_glyphs()
         self._curve_glyphs()
         self._tick_glyphs()
@@ -144,7 +149,9 @@ class ConservedView:
             pointer is marked in the portrait only if it has a mark there.
         """
         methods = [curve.method for curve in errors]
-        heights = [drawable(curve.error[1:]) for curve in errors]
+        floor = floor_of(errors)
+        self.figure.yaxis[0].bounds = (floor, NO_BOUND)  # below, marks stand at times, and no numbers at heights
+        heights = [drawable(curve.error[1:], floor) for curve in errors]
         lines_drawn = [_apart(curve, y) for curve, y in zip(errors, heights, strict=True)]
         assign(
             self.curves,
@@ -157,12 +164,12 @@ class ConservedView:
         self._show_exits(errors, heights)
         show_methods(self.methods, methods)
         self._show_segments(errors[0])
-        self._show_ticks(errors[0], landmarks)
-        self._draw_round_off(errors[0])
-        top = max(float(np.fmax.reduce(y, initial=1e-14)) for y in (*heights, self.round_off.data["y"]))
+        self._show_ticks(errors[0], landmarks, FOOT * floor)
+        self._draw_round_off(errors[0], floor)
+        top = max(float(np.fmax.reduce(y, initial=FULL * floor)) for y in (*heights, self.round_off.data["y"]))
         end = max(curve.t_end for curve in errors)
-        assign(self.corners, x=[0.0, end or 1.0], y=[BOTTOM, 2 * top])
-        self._name_levels(errors[0], LINE * np.log10(2 * top / BOTTOM))
+        assign(self.corners, x=[0.0, end or 1.0], y=[BOTTOM * floor, 2 * top])
+        self._name_levels(errors[0], LINE * np.log10(2 * top / (BOTTOM * floor)), floor)
         only_g = CHANGE_OF_PSI not in axis_name(errors)
         what = SUMMARY.replace("the conserved quantity", "g while sliding") if only_g else SUMMARY
         describe(self.figure, f"{what}. {conserved_text(errors)}")
@@ -196,7 +203,7 @@ class ConservedView:
             entry.visible = len(shaded["start"]) > 0
             assign(source, **shaded)  # last: the browser hides the entry of shades that are too narrow
 
-    def _show_ticks(self, first: ErrorCurve, landmarks: Landmarks | None) -> None:
+    def _show_ticks(self, first: ErrorCurve, landmarks: Landmarks | None, foot: float) -> None:
         t = first.crossings if len(first.crossings) <= MOST_BANDS else first.crossings[:0]
         count = len(t)
         places = np.full((count, 2), np.nan) if landmarks is None else landmarks.places[:count]
@@ -206,7 +213,7 @@ class ConservedView:
         assign(
             self.instants,
             t=t,
-            foot=np.full(count, FOOT),
+            foot=np.full(count, foot),
             x=places[:, 0],
             y=places[:, 1],
             **looks,
@@ -214,21 +221,21 @@ class ConservedView:
             method=[first.method] * count,
         )
 
-    def _draw_round_off(self, first: ErrorCurve) -> None:
+    def _draw_round_off(self, first: ErrorCurve, floor: float) -> None:
         """Draw the round-off of ψ as a curve where it grows along the run."""
         drawn = slice(None) if round_off_grows(first) else slice(0)
-        assign(self.round_off, t=first.t[drawn], y=np.clip(first.round_off, FLOOR, CEILING)[drawn])
+        assign(self.round_off, t=first.t[drawn], y=np.clip(first.round_off, floor, CEILING)[drawn])
 
-    def _name_levels(self, first: ErrorCurve, line: float) -> None:
+    def _name_levels(self, first: ErrorCurve, line: float, floor: float) -> None:
         """Mark the round-off of ψ at the end, unless it is below all, and eps unless names would overlap.
 
         A line of text is as high as `line` powers of ten.
         """
         last, apart = float(first.round_off[-1]), max(TELLABLE, 10.0**line)
-        told = last >= apart * FLOOR
+        told = last >= apart * floor
         beside = last if told else NOWHERE
-        named = min(MACHINE_EPSILON / FLOOR, max(beside / MACHINE_EPSILON, MACHINE_EPSILON / beside)) >= apart
-        self.levels.move(MACHINE_EPSILON if named else NOWHERE, FLOOR, beside)
+        named = min(MACHINE_EPSILON / floor, max(beside / MACHINE_EPSILON, MACHINE_EPSILON / beside)) >= apart
+        self.levels.move(MACHINE_EPSILON if named else NOWHERE, floor, beside)
         self.levels.spans[-1].visible = not round_off_grows(first)
 
 
@@ -242,8 +249,14 @@ def _apart(curve: ErrorCurve, heights: Floats) -> tuple[Floats, Floats]:
     return np.insert(t, gaps, t[gaps]), np.insert(heights, gaps, np.nan)
 
 
-def drawable(error: Floats) -> Floats:
-    """Return errors raised to `FLOOR`, up to the first beyond `CEILING`, which is drawn there; NaN stays a gap."""
+def floor_of(errors: Sequence[ErrorCurve]) -> float:
+    """Return the least |change of ψ| that has a place: `FLOOR`, or less if round-off is far less, as of a small ψ."""
+    sizes = [float(curve.round_off[-1]) for curve in errors if 0.0 < curve.round_off[-1] < np.inf]
+    return min([FLOOR, *(size / BELOW_ROUND_OFF for size in sizes[:1])])
+
+
+def drawable(error: Floats, floor: float = FLOOR) -> Floats:
+    """Return errors raised to a level, up to the first beyond `CEILING`, which is drawn there; NaN stays a gap."""
     beyond = np.maximum.accumulate(error > CEILING)  # for good: an envelope zigzags back
     after = np.concatenate([[False], beyond[:-1]])[: len(beyond)]
-    return np.where(after, np.nan, np.clip(error, FLOOR, CEILING))
+    return np.where(after, np.nan, np.clip(error, floor, CEILING))

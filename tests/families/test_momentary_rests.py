@@ -1,4 +1,4 @@
-"""A state that rests for a moment is no reason to call a step too long; a step that is too long is told all the same."""
+"""A state that rests for a moment is no reason to call a step too long; one that is too long is told all the same."""
 
 from __future__ import annotations
 
