@@ -133,7 +133,7 @@ _HALF = Rational(1, 2)
 RK2 = Method(
     "rk2",
     ButcherTableau(((), (_HALF,)), (Integer(0), Integer(1)), 2),
-    "Explicit midpoint rule, order 2: the paper’s baseline, which in general does not conserve ψ.",
+    "Explicit midpoint rule, order 2: the method of comparison in the paper; it does not conserve ψ in general.",
 )
 
 CLASSICAL = ButcherTableau(

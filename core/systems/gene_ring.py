@@ -23,6 +23,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("threshold", 1.0, (0.3, 1.2), "level above which a protein switches the next gene off", r"\theta"),
     ),
     x0=(0.0, 0.3, 0.6),
-    doc="Three proteins x, y and z, each of which represses the gene of the next one, and z that of x, above the "
-    "threshold θ. No gene stays on or off: the levels approach a limit cycle through six of the eight regions.",
+    doc="Three proteins x, y and z, each of which, above the threshold θ, represses the gene of the next (z represses "
+    "that of x). No gene stays on or off: the levels approach a limit cycle through six of the eight regions.",
 )

@@ -251,8 +251,9 @@ def _apart(curve: ErrorCurve, heights: Floats) -> tuple[Floats, Floats]:
 
 def floor_of(errors: Sequence[ErrorCurve]) -> float:
     """Return the least |change of ψ| that has a place: `FLOOR`, or less if round-off is far less, as of a small ψ."""
-    sizes = [float(curve.round_off[-1]) for curve in errors if 0.0 < curve.round_off[-1] < np.inf]
-    return min([FLOOR, *(size / BELOW_ROUND_OFF for size in sizes[:1])])
+    size = float(errors[0].round_off[-1])
+    known = CHANGE_OF_PSI in axis_name(errors) and 0.0 < size < np.inf
+    return min(FLOOR, size / BELOW_ROUND_OFF) if known else FLOOR
 
 
 def drawable(error: Floats, floor: float = FLOOR) -> Floats:

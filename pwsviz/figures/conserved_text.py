@@ -103,7 +103,7 @@ def conserved_text(curves: Sequence[ErrorCurve]) -> str:
     if not told:
         return ""
     words = "; ".join(told) + "."
-    terms = " “Relative” is to the largest |ψ| + Σ |xᵢ ∂ψ/∂xᵢ|." * (RELATIVE in words)
+    terms = " “Relative”: divided by the largest |ψ| + Σ |xᵢ ∂ψ/∂xᵢ| of the run." * (RELATIVE in words)
     return words + terms + _about_marks(curves)
 
 

@@ -86,9 +86,10 @@ def settings_text(study: core.WorkPrecision) -> str:
         whose: dict[str, list[str]] = {}
         for curve in having:
             found = curve.setting[np.isfinite(curve.seconds)]
-            whose.setdefault(f"{said} from {found.min():.3g} to {found.max():.3g}", []).append(curve.title)
-        ranges += [f"{words} ({listed(titles)})" for words, titles in whose.items()]
-    return ", ".join(ranges)
+            whose.setdefault(f"{found.min():.3g} to {found.max():.3g}", []).append(curve.title)
+        if whose:
+            ranges.append(f"{said} from " + ", ".join(f"{words} ({listed(titles)})" for words, titles in whose.items()))
+    return "; ".join(ranges)
 
 
 def missing_text(study: core.WorkPrecision) -> str:

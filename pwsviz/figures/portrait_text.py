@@ -91,9 +91,10 @@ def marks_text(pictures: Pictures) -> str:
     kinds = {kind for orbit in drawn for kind in orbit.kinds}
     if not kinds:
         return ""
-    met = "Jumps" if kinds == {"jump"} else "Crossings"
-    whose = f"{met} of all integrators are marked." if len(pictures.orbits) > 1 else ""
-    return " ".join(filter(None, [whose, JUMPS_MARKED * ("jump" in kinds)]))
+    of_all = " of all integrators" * (len(pictures.orbits) > 1)
+    if kinds == {"jump"}:
+        return f"Jumps{of_all} are marked at the state before each."
+    return " ".join(filter(None, [f"Crossings{of_all} are marked." * bool(of_all), JUMPS_MARKED * ("jump" in kinds)]))
 
 
 def which_start(pictures: Pictures) -> str:

@@ -41,7 +41,7 @@ def _is_flow_in_the_plane(system: core.PiecewiseSystem) -> bool:
 
 
 def _conserves(system: core.PiecewiseSystem) -> bool:
-    """Whether each region has a conserved quantity that does not contain time and that its reset maps keep."""
+    """Whether all regions have one conserved quantity in common that does not contain time and that resets keep."""
     laws, values = system.laws, {symbol: sympy.Float(system.values[symbol.name]) for symbol in system.laws.p}
 
     def kept(psi: sympy.Expr, way: Way) -> bool:
@@ -50,7 +50,7 @@ def _conserves(system: core.PiecewiseSystem) -> bool:
         after = [u.subs(values) for u in way.jump]
         return keeps(psi.subs(values), laws.surfaces[way.surface].subs(values), laws.x, after)
 
-    return all(
-        any(TIME not in psi.free_symbols and all(kept(psi, way) for way in ways) for psi in mode.conserved)
-        for mode, ways in zip(laws.regions, laws.ways, strict=True)
+    common = set.intersection(*(set(mode.conserved) for mode in laws.regions))
+    return any(
+        TIME not in psi.free_symbols and all(kept(psi, way) for ways in laws.ways for way in ways) for psi in common
     )

@@ -36,7 +36,7 @@ def surface_words(inputs: SectionInputs) -> str:
 LATE = 0.9
 """Part of the time of a run before which its last point is worth a word."""
 
-_AT_REST = "the motion has come to rest, and goes on by round-off only"
+_AT_REST = "the motion has come to rest; what remains is round-off"
 """Of a start of which later points are left out."""
 
 

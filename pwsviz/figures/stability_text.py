@@ -198,7 +198,7 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
 
 def _all_work(last: float) -> str:
     """Say up to which step size an integrator works for which no larger one was tried."""
-    most = ", the largest value on offer" * (last == LIMITS_OF_TAU[1])
+    most = ", the largest tried" * (last == LIMITS_OF_TAU[1])
     return f"successful up to τ = {last:.3g}{most}"
 
 
@@ -209,7 +209,7 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
         return f", from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected is not core.Status.COMPLETED:
         return f", from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
-    moved = f", since within one step of t = {end:.4g} the solution meets or leaves a surface" * (horizon != end)
+    moved = f" (not {end:.4g}, within one step of which the solution meets or leaves a surface)" * (horizon != end)
     return f" to t = {horizon:.4g}{moved}"
 
 

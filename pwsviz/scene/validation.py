@@ -72,7 +72,7 @@ def number(value: object, subject: str, low: float, high: float) -> float:
         why = "is too large" if re.search("[0-9]", text) else "is not a finite number"
         raise ValueError(f"“{text}” {why}. {_SUCH}")
     if not low <= result <= high:
-        raise ValueError(f"{subject} has to lie between {low:,g} and {high:,g}.")
+        raise ValueError(f"{subject} must lie between {low:,g} and {high:,g}.")
     return result
 
 
@@ -151,7 +151,7 @@ def plane(value: object, count: int) -> tuple[int, int] | None:
 def whole_number(value: object, subject: str, count: int) -> int:
     """Return a whole number from 0 to `count` − 1; ValueError, naming the subject, if it is none."""
     if type(value) is not int or not 0 <= value < count:
-        raise ValueError(f"{subject} has to lie between 0 and {count - 1}; it is “{value}”.")
+        raise ValueError(f"{subject} must lie between 0 and {count - 1}; it is “{value}”.")
     return value
 
 

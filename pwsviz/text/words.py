@@ -50,7 +50,7 @@ STEPS_MARKED = "Dots are the ends of steps, between which the integrators interp
 """What captions say of curves on which steps are marked."""
 
 
-JUMPS_MARKED = "Jumps are marked at the states before them."
+JUMPS_MARKED = "Jumps are marked at the state before each."
 """What captions say of marks where the state jumps."""
 
 

@@ -367,10 +367,10 @@ def test_each_press_of_undo_and_of_redo_counts_however_fast_they_come(visit):
 def test_what_a_field_refuses_is_said_each_time_and_on_screen(visit):
     page = visit()
     type_into(page, "End time", "-5")
-    refusal = page.get_by_role("status").filter(has_text="has to lie between")
+    refusal = page.get_by_role("status").filter(has_text="must lie between")
     refusal.wait_for()
     sync_api.expect(refusal).to_be_in_viewport(ratio=1)
     refusal.evaluate("""note => { window.said = []
         new MutationObserver(() => said.push(note.textContent)).observe(note, {childList: true}) }""")
     type_into(page, "End time", "1e9")
-    page.wait_for_function("() => said.length > 1 && said.at(-1).includes('has to lie between')")
+    page.wait_for_function("() => said.length > 1 && said.at(-1).includes('must lie between')")

@@ -59,7 +59,7 @@ def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
     )
     assert f"”. Equations omitted for their length; {surface}" in told
     assert ". For g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
-    assert "”. The law is x′ = u, " in caption(scene_of(core.CATALOGUE["henon_heiles"]), "Order")
+    assert "”. Equations: x′ = u, " in caption(scene_of(core.CATALOGUE["henon_heiles"]), "Order")
     assert "”. In region −−: x′ = " in caption(scene_of(core.CATALOGUE["chua"]), "Order")
 
 

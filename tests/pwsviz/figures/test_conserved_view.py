@@ -122,7 +122,7 @@ def test_round_off_that_grows_with_psi_is_a_curve_and_what_stays_below_it_is_rou
     assert curves[0].error[-1] > 1e-7
     assert re.fullmatch(
         r"dmm2 conserves ψ to round-off up to t = \S+, where the run stops: max \|Δψ\| = [\d.×]*10⁻. "
-        r"\(relative: [\d.×]*10⁻¹.\)\. “Relative” is to .*\.",
+        r"\(relative: [\d.×]*10⁻¹.\)\. “Relative”: divided by .*\.",
         conserved_text(curves[:1]),
     )
     drawn = view.round_off.data
@@ -210,7 +210,7 @@ def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
 
 def test_what_is_round_off_depends_on_the_size_of_psi():
     def words(errors, size):
-        said, *what = conserved_text([curve(errors, size=size)]).split(" “Relative” is to ")
+        said, *what = conserved_text([curve(errors, size=size)]).split(" “Relative”: divided by ")
         assert bool(what) == ("relative:" in said)
         return said
 
@@ -227,7 +227,7 @@ def test_no_bound_is_praised_where_less_than_a_digit_of_psi_is_right():
     lost = curve([0.0, 2.7e5, 2.7e5, 2.6e5], "rk2", size=6.5e5)
     assert conserved_text([lost]) == (
         "rk2 does not conserve ψ: max |Δψ| = 2.7×10⁵ (relative: 0.42). "
-        "“Relative” is to the largest |ψ| + Σ |xᵢ ∂ψ/∂xᵢ|."
+        "“Relative”: divided by the largest |ψ| + Σ |xᵢ ∂ψ/∂xᵢ| of the run."
     )
 
 

@@ -147,7 +147,7 @@ def test_the_setting_is_told_on_a_point():
 
 
 def test_a_caption_tells_between_which_settings_the_points_lie():
-    assert settings_text(BOTH) == "step sizes from 0.01 to 0.1 (dmm2), tolerances from 0.01 to 0.1 (SciPy DOP853)"
+    assert settings_text(BOTH) == "step sizes from 0.01 to 0.1 (dmm2); tolerances from 0.01 to 0.1 (SciPy DOP853)"
     assert settings_text(study(DMM2)) == "step sizes from 0.01 to 0.1 (dmm2)"
     failed = replace(DMM2, seconds=np.array([np.nan, 1e-3, 1e-2]))
     assert settings_text(study(failed)) == "step sizes from 0.01 to 0.0316 (dmm2)", (

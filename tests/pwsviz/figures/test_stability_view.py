@@ -304,7 +304,7 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
         (
             "elliptic_curve",
             20.0,
-            " to t = 20.07, since within one step of t = 20 the solution meets or leaves a surface",
+            " to t = 20.07 (not 20, within one step of which the solution meets or leaves a surface)",
         ),
         ("type_sliding", 20.0, ", from which the solution itself ends before t = 20: a run has to end likewise"),
     ],
@@ -349,7 +349,7 @@ def test_the_text_gives_the_grid_and_for_which_start_the_lines_hold(study):
 
 
 def test_an_integrator_that_works_with_every_step_size_is_said_to_do_so_up_to_the_last_one(study):
-    for last, told in ((0.5, "successful up to τ = 0.5"), (1.0, "successful up to τ = 1, the largest value on offer")):
+    for last, told in ((0.5, "successful up to τ = 0.5"), (1.0, "successful up to τ = 1, the largest tried")):
         largest = replace(study.largest_tau, taus=np.array([0.1, last]), reason=("", ""))
         row = stability_numbers(replace(study, largest_tau=largest), "map", "rk2")[0].rows[0]
         assert row[3] == told

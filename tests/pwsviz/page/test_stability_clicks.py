@@ -64,7 +64,7 @@ def test_a_refused_click_is_told_above_the_tables_which_stay(tab):
     for _ in range(2):
         tab._go(2.0, float(tab.outcome.map.values[3]))
         assert tab.words.object.endswith(before)
-        assert tab.words.object.count("The step size has to lie between") == 1
+        assert tab.words.object.count("The step size must lie between") == 1
     assert "<table" in before
 
 
