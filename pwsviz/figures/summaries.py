@@ -253,6 +253,8 @@ def method_notes(scene: Scene) -> str:
         notes.append(f"{keeping} conserve ψ to round-off{' between crossings' * (not exact)}.")
     if resting:
         notes.append(f"{listed(resting)} need a conserved quantity; none is known here, so they are not offered.")
+    if not set(scene.methods) & set(scene.used):
+        notes.append(f"{scene.used[0]} is used in place of {listed(scene.methods)}.")
     for name in [name for name in scene.used if core.METHODS[name].adaptive]:
         lacks = "order to study"
         if scene.locate and scene.perturbation_order is not None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
+from decimal import Decimal
 
 import core
 from pwsviz.scene.views import VIEWS
 from pwsviz.text.math_names import unicode_name, variable_name
-from pwsviz.text.numbers import RAISED
+from pwsviz.text.numbers import PLAIN, RAISED
 from pwsviz.text.words import listed
 
 LABELS: Mapping[str, str] = {
@@ -85,8 +86,30 @@ def choice_name(setting: str, choice: object) -> str:
     return _CHOICES.get(setting, {}).get(str(choice), str(choice or "none"))
 
 
+_TENS = re.compile(
+    r"(?<![\w.])(?:(?P<factor>\d+\.?\d*|\.\d+)e(?P<power>[+-]?\d+)|(?P<digits>[1-9]\d*?)(?P<zeros>0{6,}))(?![\w.])",
+    re.IGNORECASE,
+)
+"""A number with an exponent, or with final zeros that one has to count."""
+
+
+def _power_of_ten(found: re.Match[str]) -> str:
+    """Return such a number as 4.7·10⁻⁵, in brackets where a division or a power would take a part of it."""
+    factor, power = found["factor"] or found["digits"], int(found["power"] or len(found["zeros"]))
+    if abs(power) <= PLAIN:
+        return f"{Decimal(found[0]):f}"
+    ten = f"10{str(power).translate(RAISED)}"
+    product = ten if factor == "1" else f"{factor}·{ten}"
+    parted = found.string[: found.start()].endswith("/") and factor != "1"
+    return f"({product})" if parted or found.string[found.end() :].startswith("**") else product
+
+
 def readable(text: str, system: core.PiecewiseSystem) -> str:
-    """Return an expression as it is printed: powers raised, a dot for products but 2y, names by their symbols."""
+    """Return an expression as it is printed: powers raised, a dot for products but 2y, names by their symbols.
+
+    Numbers with an exponent, and those with many final zeros, are printed with a power of ten.
+    """
+    text = _TENS.sub(_power_of_ten, text)
     symbols = {name: variable_name(name) for name in system.variables}
     symbols |= {q.name: short_name(q) for q in system.parameters}
     text = re.sub(r"[A-Za-z_]\w*", lambda name: symbols.get(name[0], name[0]), text)
