@@ -194,7 +194,9 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: 
         most = str(farthest)
         if 1 < m < FEW:  # steps that keep dependent ψ are known to half the digits only
             most = f"({_FARTHEST} if independent or near else {_FARTHEST_OF_HALF})"
-        lines += [f"if not max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {most} * state:", "    return 0"]
+        near = f"max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {most} * state"
+        known = f"{' + '.join(f'abs({a})' for a in moves)} < math.inf"
+        lines += [f"if not ({near} and {known}):", "    return 0"]
         gradient = names.own(guard.diff(v) for v in laws.x)
         change = sympy.Add(*(slope * a for slope, a in zip(gradient, moves, strict=True)))
         lines += [*assignments(["change"], [change], names.temporaries), "s -= change"]

@@ -50,7 +50,7 @@ TAGLINE_CSS = """
 p, .lecture { font-size: 0.8125rem; line-height: 1.3; margin: 0 0 0 12px; }
 p { max-width: 64ch; color: var(--mui-palette-text-secondary); display: var(--usual, block); }
 .lecture { color: var(--mui-palette-text-primary); display: var(--lecture, none); align-items: baseline;
-    font-size: min(1rem, max(0.8125rem, 1.25vw)); padding: 6px 0; }
+    font-size: min(1rem, max(0.8125rem, 1.1vw)); padding: 4px 0; }
 .lecture b { flex: none; max-width: 30%; }
 .lecture .law { display: inline-block; font-size: min(1em, 1vw); color: inherit; max-width: none;
     margin: 0 0 0 1.2em; text-indent: 0; }
