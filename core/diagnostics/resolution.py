@@ -91,13 +91,18 @@ def _at_rows(run: Trajectory, k: NDArray[np.intp]) -> Steps:
 
 
 def _first_steps(run: Trajectory) -> Steps:
-    """Steps of the run's size from where it has entered a side."""
+    """Steps of the run's size from where it has entered a side, and those that it made there, which are shorter."""
     crossings = run.crossings
-    count = 0 if METHODS[run.method].adaptive else len(crossings) - 1
+    count = 0 if METHODS[run.method].adaptive else len(crossings)
     k = np.unique(np.linspace(0, count - 1, _MOST_ENTRIES).astype(np.int64)) if count > 0 else np.empty(0, np.int64)
-    return Steps.towards_the_end(
-        run, crossings.t[k], crossings.x_after[k], crossings.mode[k], crossings.t[k + 1] - crossings.t[k]
-    )
+    span = np.append(crossings.t[1:], run.t[-1])[k] - crossings.t[k]
+    if run.record == "steps":
+        made = run.t[np.minimum(np.searchsorted(run.segment, k + 1), len(run.t) - 1)] - crossings.t[k]
+        shorter = (np.abs(made) < np.abs(span)) & (made * span > 0.0)
+        k, span = np.append(k, k[shorter]), np.append(span, made[shorter])
+    goes_on = (crossings.mode[k] >= 0) & (span != 0.0)
+    k, span = k[goes_on], span[goes_on]
+    return Steps.towards_the_end(run, crossings.t[k], crossings.x_after[k], crossings.mode[k], span)
 
 
 def _hides_before_it_runs_away(steps: Steps) -> NDArray[np.bool_]:

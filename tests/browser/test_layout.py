@@ -329,7 +329,11 @@ def test_in_lecture_mode_titles_of_views_keep_to_one_row_and_names_of_fields_are
 @pytest.mark.deep
 @pytest.mark.parametrize(
     ("view", "words"),
-    [("section&system=bouncing_ball", "53 points on"), ("stability", "crossings instead of"), ("order", "slope 2.00 before")],
+    [
+        ("section&system=bouncing_ball", "53 points on"),
+        ("stability", "crossings instead of"),
+        ("order", "slope 2.00 before"),
+    ],
 )
 def test_in_a_lecture_the_conclusion_of_a_figure_below_controls_is_in_sight(visit, view, words):
     page = visit(1366, 768, query=f"v=2&view={view}")

@@ -36,3 +36,13 @@ def test_a_step_that_ends_beyond_the_surface_by_a_perturbation_is_not_called_too
     run = core.integrate(core.CATALOGUE[key], (0.0, 40.0), perturbation_order=1, **options)
     assert "too long" not in plain.message
     assert "too long" not in run.message, run.message
+
+
+@pytest.mark.parametrize("method", ["rk2", "rk4", "rk8", "gauss4"])
+def test_a_push_that_the_rest_of_a_step_after_the_last_crossing_meets_or_leaps_over_is_told(method: str) -> None:
+    pushed = ("v", "0.5 + 221.68*exp(-100000*(x - 0.38)**2)")
+    system = core.PiecewiseSystem("Pushed", ("x", "v"), pushed, pushed, "x - 0.3", x0=(-0.966, 0.297))
+    run = core.integrate(system, (0.0, 4.5), method=method, tau=0.5)
+    assert run.crossing_count == 1
+    assert abs(run.x[-1, 1] - 3.329) > 0.3, "by SciPy's DOP853 with steps up to 1e-5"
+    assert "too long" in run.warning
