@@ -3,7 +3,10 @@
 from pathlib import Path
 
 import pytest
+from fontTools.ttLib import TTFont
 
+import core
+import pwsviz
 from pwsviz.export import pictures
 from pwsviz.export.pictures import CHOICES, PictureFiles, picture_callback
 from pwsviz.figures.style import plain_figure
@@ -31,3 +34,11 @@ def test_the_code_of_a_button_names_its_figure_and_brings_no_library():
 
 def test_every_choice_has_its_default_among_its_options():
     assert all(0 <= usual < len(options) for _, options, usual in CHOICES.values())
+
+
+def test_the_font_of_a_pdf_has_every_character_that_the_page_may_say():
+    folders = [Path(package.__file__).parent for package in (core, pwsviz)]
+    sources = [path for folder in folders for ending in ("py", "js") for path in folder.rglob(f"*.{ending}")]
+    said = {letter for path in sources if "vendor" not in path.parts for letter in path.read_text(encoding="utf-8")}
+    known = TTFont(FOLDER / "vendor" / "DejaVuSans-subset.ttf").getBestCmap()
+    assert {letter for letter in said if letter.isprintable() and ord(letter) not in known} == set()
