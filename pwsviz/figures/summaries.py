@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from html import escape
 
@@ -180,7 +181,7 @@ def _not_drawn(drawn: Sequence[tuple[str, Row]]) -> Iterator[str]:
     """Yield why points or curves are missing, if some are."""
     exact = [name for name, row in drawn if all(error == 0 for error in row.error)]
     if exact:
-        yield f"The errors {listed(exact)} are 0 and are not drawn"
+        yield f"The errors {listed([re.sub('^to ', 'of ', name) for name in exact])} are 0 and are not drawn"
     if any(error == 0 for name, row in drawn if name not in exact for error in row.error):
         yield "Errors that are 0 have no point"
     if any(not math.isfinite(error) for _, row in drawn for error in row.error):
@@ -198,10 +199,11 @@ def _reach(shown: Sequence[Studied]) -> str:
     """Say up to which step size errors are fitted, unless all between the limits are."""
     ends = [(row.window[1], _greatest(one.taus, row)) for one in shown for row in one.rows if math.isfinite(row.slope)]
     cut = [reached < greatest for reached, greatest in ends]
-    where = "" if all(cut) else ", where the local slope changes,"
-    return f" and{where} to step sizes below {'that' if where else 'the one at which the local slope changes'}" * any(
-        cut
-    )
+    if not any(cut):
+        return ""
+    if all(cut):
+        return " and to step sizes below the one at which the local slope changes"
+    return " and, where the local slope changes, to step sizes below that"
 
 
 def _greatest(taus: Floats, row: Row) -> float:

@@ -138,7 +138,7 @@ class OrderTab(LongTab):
         return " ".join(filter(None, [FITS * fitted, all_slopes_text(shown) if fitted else ""]))
 
     def key(self, outcome: Studies) -> str:
-        """Return the same, and when states are compared."""
+        """Return what the broad lines are, and when states are compared."""
         when = "“Before”: halfway to the first crossing; “after k”: halfway from crossing k to the next."
         fitted = FITS in self.meaning(outcome)
         return " ".join(filter(None, [when * (self._rows is state_rows), FITS * fitted]))

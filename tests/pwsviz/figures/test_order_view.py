@@ -208,6 +208,9 @@ def test_why_a_curve_has_no_slope_is_said_of_each_reason():
     assert "No slope is fitted after 20, as too few errors lie between these limits." in words
     assert "No slope is fitted after 30, as no error is known." in words
     assert f"No slope is fitted, as {at_round_off}" in study_text([Studied("rk2", 2, taus, [exact], "exact")], False)
+    both = study_text([Studied(name, 2, taus, [exact, fitted, few], "exact") for name in ("rk2", "dmm2")], early=False)
+    assert "No slope is fitted to rk2 after 20 and to dmm2 after 20, as too few errors" in both
+    assert "The errors of rk2 before and of dmm2 before are 0 and are not drawn." in both
 
 
 def test_the_method_of_second_order_is_at_round_off_on_a_parabola():
