@@ -59,6 +59,11 @@ class Steps:
             rows = np.flatnonzero(self.mode == number)
             yield rows, number, self.some(rows)
 
+    def with_others(self, others: Steps) -> Steps:
+        """These steps and others of the run."""
+        t, x, h = (np.concatenate(pair) for pair in ((self.t, others.t), (self.x, others.x), (self.h, others.h)))
+        return Steps(self.run, t, x, np.concatenate([self.mode, others.mode]), h)
+
     def some(self, rows: NDArray[np.intp]) -> Steps:
         """Some of these steps."""
         return Steps(self.run, self.t[rows], self.x[rows], self.mode[rows], self.h[rows])

@@ -43,7 +43,7 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     if run.status in RUNS_AWAY:  # no step is short enough where the solution escapes
         return tuple(too_long_for_g(kept, _hides_before_it_runs_away(kept)))
     first, doubtful = _first_steps(run), _at_rows(run, doubtful_steps(run))
-    pushed = _at_rows(run, pushed_steps(run)) if run.record == "steps" else kept
+    pushed = _at_rows(run, pushed_steps(run)).with_others(first) if run.record == "steps" else kept
     of_g = (words for steps in (kept, first, doubtful) for words in too_long_for_g(steps, hides(steps)))
     of_events = (words for steps in (kept, doubtful) for words in too_long_for_events(steps))
     of_field = too_long_for_the_field((kept, _unlike(run), first), pushed)

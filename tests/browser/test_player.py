@@ -20,16 +20,20 @@ SURFACE = rgb(PURPLE)
 TINTED = tuple(round(TINT * c + (1 - TINT) * 255) for c in rgb(SHADES[-1]))  # over white
 
 
+def opened(visit, scene):
+    page = visit(query=query(scene))
+    await_painted(page, "Phase portrait")
+    await_that(page, PORTRAIT)
+    await_still(page)
+    return page
+
+
 @pytest.fixture
 def shown(visit):
     def open_scene(**settings):
         scene = Scene()
         scene.load(settings)
-        page = visit(query=query(scene))
-        await_painted(page, "Phase portrait")
-        await_that(page, PORTRAIT)
-        await_still(page)
-        return page
+        return opened(visit, scene)
 
     return open_scene
 
@@ -197,10 +201,7 @@ def test_the_place_is_told_in_values_of_the_variables_where_one_is_drawn_in_a_un
     )  # fmt: skip
     scene = Scene()
     scene.use(spring)
-    page = visit(query=query(scene))
-    await_painted(page, "Phase portrait")
-    await_that(page, PORTRAIT)
-    await_still(page)
+    page = opened(visit, scene)
     page.mouse.move(*inside(page.evaluate(PORTRAIT), 0.3, 0.7))
     words = page.get_by_text(re.compile("g < 0 · ψ₋ = "))
     words.wait_for()
