@@ -172,6 +172,8 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: 
     would drift by the rounding of each time at which it meets a surface that moves. Where the surface and the orbit are
     nearly tangent that is ill-conditioned, and is omitted. A method that is not conservative has drifted off the
     surface while sliding; it is put back on it here, where sliding ends.
+
+    What is corrected is rounding: of the state, of the increment that led here (w.increment), and of the time t.
     """
     names, d = Names(laws), len(laws.x)
     guard, m = mode.guards[number], len(mode.conserved) if conservative else 0
@@ -186,8 +188,10 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: 
     lines += assignments(targets, values, names.temporaries)
     lines += [f"speed = max({', '.join(f'abs({f})' for f in fields)}, 0.0)", f"w[{abi.DELAY}] = 0.0"]
     whole = " + ".join(f"abs({f})" for f in fields)  # NaN if any is: beyond its surface a field may be undefined
-    lines += [f"if not 0.0 < {whole} < math.inf:", "    return 0", size_line(names.x)]
     farthest = _FARTHEST_OF_DRIFT if drifts else _FARTHEST
+    lines += [f"if not 0.0 < {whole} < math.inf:", "    return 0", size_line(names.x)]
+    steps = ", ".join(f"abs(w[{names.frame.increment + k}])" for k in range(d))
+    lines.append(f"reach = {farthest} * max(state, {steps}) + {_ROUNDINGS * _EPS} * abs(t) * speed")
     if kept:
         entries, worked_out = row_lines([names.own(u.diff(v) for v in laws.x) for u in kept], names.temporaries)
         lines += [*worked_out, *least_change(entries, moves, names.temporaries, least=_TANGENT)]
@@ -202,7 +206,7 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: 
         lines += [*assignments(["change"], [change], names.temporaries), "s -= change"]
     lines += [
         "s = s / rate if rate != 0.0 else math.inf",
-        f"if not abs(s) * speed <= {farthest} * state:",
+        "if not abs(s) * speed <= reach:",
         "    s = 0.0",
     ]
     lines.append(f"w[{abi.DELAY}] = -s")

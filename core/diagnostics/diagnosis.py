@@ -204,12 +204,12 @@ def _least(values: Floats) -> float:
     return float(known.min()) if known.size else math.nan
 
 
-_SECOND = "a second crossing within the step cannot be excluded{}"
+_SECOND = "a second crossing within the step cannot be excluded"
 _UNSOLVED = (
     "beyond it the theory does not guarantee that the step {} the surface has a unique solution; the bound is "
     "sufficient, not necessary, and depends on the units of the variables"
 )
-#: Bounds on τ: field of `Constants`, name in a warning, and what may happen beyond it, with room for what to do.
+#: Bounds on τ: field of `Constants`, name in a warning, and what may happen beyond it.
 _BOUNDS = (
     ("window", "the window alpha^2/M", _SECOND),
     ("window_hat", "the discrete window alpha_hat^2/M_hat", _SECOND),
@@ -223,15 +223,13 @@ def _warnings(tau: float, t: Floats, constants: Constants) -> Iterator[str]:
         values = getattr(constants, name)
         if name == "window_hat":
             yield from _failures(tau, t, constants.alpha_hat2)
-        if name != "window":  # a bound of 0 says nothing, or `_failures` has reported it
-            values = np.where(values > 0.0, values, np.nan)
-        rows = np.flatnonzero(values < tau)
+        # A bound of 0 says nothing: a second derivative is not bounded, as of a root, or `_failures` has reported it.
+        rows = np.flatnonzero((0.0 < values) & (values < tau))
         if rows.size:
             worst = rows[np.argmin(values[rows])]
-            below = f"; take tau below {_round_down(values[worst]):.2g}" if values[worst] > 0.0 else None
-            advice = below or " by any tau, as the second derivative of g is not bounded there"
+            advice = f"take tau below {_round_down(values[worst]):.2g}"
             where = _place(t, rows, worst)
-            yield f"tau = {tau:.3g} exceeds {bound} = {values[worst]:.3g}{where}: {consequence.format(advice)}"
+            yield f"tau = {tau:.3g} exceeds {bound} = {values[worst]:.3g}{where}: {consequence}; {advice}"
 
 
 def _failures(tau: float, t: Floats, alpha_hat2: Floats) -> Iterator[str]:
@@ -267,6 +265,6 @@ def _summary(run: Trajectory, crossings: Crossings, constants: Constants, warnin
     if through:
         parts.append(f"alpha_S^2 = {_least(constants.alpha2):.3g}, alpha_hat_S^2 = {_least(constants.alpha_hat2):.3g}")
         parts.append(f"least window {_least(constants.window):.3g}")
-    compared = through and not METHODS[run.method].adaptive
+    compared = _least(constants.window) > 0.0 and not METHODS[run.method].adaptive  # false for nan
     bounds = "exceeds a bound" if warnings else "satisfies all bounds" if compared else "is compared with no bound"
     return f"{'; '.join(parts)}: tau = {run.tau:.3g} {bounds}."

@@ -99,7 +99,8 @@ class _Heights(NamedTuple):
         places, g, noise = self.places, self.g, self.noise
         with np.errstate(all="ignore"):
             behind = (g[:, [0, -1]] < -_BEHIND * np.abs(g).max(axis=1, keepdims=True)).any(axis=1)
-            rate = np.where(np.abs(self.rate) > self.noise_of_rate, self.rate, 0.0)
+            nothing = (np.abs(self.rate) <= self.noise_of_rate) & (self.noise_of_rate < np.inf)  # at a root no bound
+            rate = np.where(nothing, 0.0, self.rate)
             dips = between & _may_dip(np.diff(places), g, rate)
             hidden = np.asarray((g <= -noise)[:, 1:-1].any(axis=1) | dips.any(axis=1))
             if not adaptive:

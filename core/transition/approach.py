@@ -16,7 +16,7 @@ from core.transition.event_location import BOUND, rate_at_end, try_step, write_e
 from core.transition.plain_steps import look_at
 from core.transition.surface import MARGIN, evaluate_g, evaluate_switching
 
-__all__ = ["check_at_surface", "cut_to_domain", "cut_to_prepared", "reflect_across", "try_finite_step"]
+__all__ = ["check_at_surface", "cut_to_domain", "cut_to_prepared", "look_from_both_sides", "try_finite_step"]
 
 _EPS = 2.0**-52
 #: Largest number of halvings of a step towards a surface beyond which the field is not defined.
@@ -79,25 +79,46 @@ def cut_to_domain(context, t, h):
 
 
 @internal
-def reflect_across(context, t):
-    """Reflect a state within rounding of the surface across it, so that g has the sign of the mode to be entered.
+def look_from_both_sides(context, t, moves):
+    """Evaluate each field on its own side of a surface within rounding of which the state is, as it may end there.
 
-    A field defined on its own side only has no value at a state where round-off gives g the other sign.
+    The other side is that of the reflection at the surface. If the state may move and is not beyond the surface yet, it
+    is put there, where the mode to be entered has a field.
     """
-    x, place, g = context.x, context.place, context.w[G]
+    run, x, place, g = context.run, context.x, context.place, context.w[G]
+    own, other, beyond = run.own, run.other, run.sign * g < 0.0
+    along, by = reflection(context, t)
+    place[along] = x[along] - by
+    evaluate_switching(context, t)
+    if beyond:
+        own = run.own
+    else:
+        other = run.other
+        if moves:
+            x[along] = place[along]
+    place[along] = x[along]
+    evaluate_switching(context, t)
+    run.own, run.other = own, other
+
+
+@internal
+def reflection(context, t):
+    """Number of a coordinate, and by how much less of it g changes its sign; 0.0 if g is not within rounding of zero.
+
+    Rounding is that of the state, of the increment that led here, and of the time.
+    """
+    run, x, place, g = context.run, context.x, context.place, context.w[G]
     size, steepest, along = 0.0, 0.0, 0
     for i in range(x.size):
-        size = max(size, abs(x[i]))
+        size = max(size, abs(x[i]), abs(context.increment[i]))
     for i in range(x.size):
         place[i] = x[i] + _BESIDE * size
         slope = (evaluate_g(context, t) - g) / (place[i] - x[i])
         place[i] = x[i]
         if abs(slope) > abs(steepest):
             steepest, along = slope, i
-    if abs(2.0 * g) <= _NOTHING * size * abs(steepest):
-        x[along] -= 2.0 * g / steepest
-    place[along] = x[along]
-    evaluate_switching(context, t)
+    near = abs(2.0 * g) <= _NOTHING * (size * abs(steepest) + abs(run.rate * t))
+    return along, 2.0 * g / steepest if near and steepest != 0.0 else 0.0
 
 
 @internal

@@ -15,7 +15,13 @@ from core.kernels.abi import DELAY, G_END, GUARDS, HEIGHT, KEPT, PROJECT, G, cal
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
-from core.transition.approach import check_at_surface, cut_to_domain, cut_to_prepared, reflect_across, try_finite_step
+from core.transition.approach import (
+    check_at_surface,
+    cut_to_domain,
+    cut_to_prepared,
+    look_from_both_sides,
+    try_finite_step,
+)
 from core.transition.event_location import (
     BOUND,
     FAILED,
@@ -76,12 +82,8 @@ def land(context, log, t):
         for i in range(x.size):
             place[i] = x[i]
         evaluate_switching(context, run.t)
-        if (
-            run.partly_defined == 1
-            and context.guards[run.row + run.guard].jump == NO_JUMP
-            and run.sign * context.w[G] > 0.0
-        ):
-            reflect_across(context, run.t)
+        if run.partly_defined == 1 and context.w[G] != 0.0:
+            look_from_both_sides(context, run.t, context.guards[run.row + run.guard].jump == NO_JUMP)
         record_place(context, log, 0)
     return True
 

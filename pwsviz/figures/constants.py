@@ -39,7 +39,7 @@ class _Constant(NamedTuple):
 
 
 _CONSTANTS = (
-    _Constant(r"\alpha_{S}^{2}", "alpha2", "transversality (1.2)", "least |dg/dt| at which the solution crosses"),
+    _Constant(r"\alpha_{S}^{2}", "alpha2", "transversality (1.2)", "smallest |dg/dt| at which the solution crosses"),
     _Constant(
         r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "discrete transversality (3.6)",
         "the same for the scheme’s steps to and from the surface; has to be positive",
@@ -100,7 +100,7 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
     judged = run.status is not core.Status.ZENO and not core.METHODS[method].adaptive
     rows = [_constant_row(constant, diagnosis, judged) for constant in _CONSTANTS]
     whose = f"{run.method} from ({', '.join(f'{v:g}' for v in run.x[0])})"
-    caption = f"The worst over {run.tally} of {whose}, {_at(diagnosis.tau, method)}."
+    caption = f"The worst values over {run.tally} of {whose}, {_at(diagnosis.tau, method)}."
     worst = table(["constant", "value", "meaning", "paper"], rows, caption)
     return _verdict(diagnosis, run, across) + worst + _stand_in(method)
 
@@ -112,7 +112,7 @@ def _at(tau: float, method: str) -> str:
 def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, judged: bool) -> list[str]:
     value = constant.worst(diagnosis)
     number = f'<span class="number">{_shown(value, constant.bounds_tau)}</span>'
-    if constant.bounds_tau and value < diagnosis.tau and judged:
+    if constant.bounds_tau and 0.0 < value < diagnosis.tau and judged:
         number = f'<span class="number exceeded">{_shown(value, True)} &lt; τ</span>'
     symbol = "".join(map(name_markup, constant.symbol.split()))
     return [f"<math>{symbol}</math>", number, prose(constant.meaning), escape(constant.label)]
@@ -132,6 +132,8 @@ def _verdict(diagnosis: core.Diagnosis, run: core.Trajectory, across: NDArray[np
         known = "" if not np.isnan(bounds).any() else " that are known"
         known += ", as estimated below" if stand_in(run.method).name != run.method else ""
         elsewhere = "" if across.all() else " Where the surface is not crossed transversally they do not apply."
+        if not np.isfinite(diagnosis.M[across]).all():
+            known, elsewhere = " that exist", f" The second derivative of g is not bounded at a crossing.{elsewhere}"
         return f"<p>τ satisfies all bounds{known}.{elsewhere}</p>"
     items = "".join(f"<li>{escape(printed(on_page(words)))}.</li>" for words in warnings)
     return f'<ul class="warnings" role="alert">{items}</ul>'
