@@ -62,6 +62,9 @@ export const wrapped = (words, width, size, between = BETWEEN_WORDS) => {
   return lines
 }
 
+// Whether a model has words as long as a part of the figure is being drawn.
+export const is_of_drawing = model => model.tags.includes("drawing")
+
 const kind_of = model => {
   if ("axis_label" in model) return "axis"
   if (model.type == "Legend") return "legend"
@@ -122,6 +125,20 @@ const named_levels = (axis, { scale }, width) => {
   }
 }
 
+// The ticker of an axis of numbers, with as many ticks as have room for their labels along a length in pixels.
+const fitted_ticker = ({ ticker, formatter }, range, length, across) => {
+  if (ticker?.type != "BasicTicker") return ticker
+  const per_unit = length / Math.abs(range.end - range.start)
+  for (let count = ticker.desired_num_ticks; count > 2; count--) {
+    const fewer = copied(ticker, { desired_num_ticks: count })
+    const ticks = fewer.get_ticks(range.start, range.end, range, NaN).major
+    const sizes = formatter.doFormat(ticks, { loc: 0 }).map(label => across ? width_of(label, SMALL) : LINE * SMALL)
+    const room = k => (ticks[k + 1] - ticks[k]) * per_unit - (sizes[k] + sizes[k + 1]) / 2
+    if (ticks.slice(1).every((_, k) => room(k) >= SPARE)) return fewer
+  }
+  return copied(ticker, { desired_num_ticks: 2 })
+}
+
 // An axis whose title is within the picture, and whose labels are apart.
 const fitted_axis = (axis, side, seen, width) => {
   const { NoOverlap } = Bokeh.loader["models/policies/labeling"]
@@ -133,7 +150,7 @@ const fitted_axis = (axis, side, seen, width) => {
   return { ...title, major_label_policy: new NoOverlap({ min_distance: SPARE / 2 }) }
 }
 
-// A legend in the middle of the picture: in columns, or in lines of entries one after another where these are fewer.
+// A legend in the middle of the picture: in one line, in lines of entries one after another, or in columns where these are fewer.
 const fitted_legend = (legend, seen, width) => {
   const { items, glyph_width, glyph_height, label_standoff } = legend, room = width - SPARE
   const labels = items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
@@ -146,7 +163,7 @@ const fitted_legend = (legend, seen, width) => {
   let ncols = Math.max(1, labels.length)
   while (ncols > 1 && !fits(ncols)) ncols -= 1
   const lines = widths.reduce(([count, used], one) => used + one <= room ? [count, used + one] : [count + 1, one], [1, 0])[0]
-  const flows = lines < Math.ceil(labels.length / ncols), narrow = 100
+  const rows = Math.ceil(labels.length / ncols), flows = rows > 1 && lines <= rows, narrow = 100
   const shift = (seen.right - seen.left) / 2  // it stands below the frame
   return {
     ncols, spacing: SPARE / 2, stylesheets: [  // it is laid out before its glyphs have a size, and as a narrow one, lest
@@ -178,14 +195,17 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
     const key = marked.keys.get(curves[k]) ?? (curves[k] == one ? null : [curves[k]])
     return key == null ? [] : [[one, key]]
   }))
+  const tickers = new Map(["below", "left"].flatMap((place, k) => model[place].filter(one => kind_of(one) == "axis").map(
+    axis => [axis.ticker, fitted_ticker(axis, ranges[k], [frame.width, frame.height][k], k == 0)])))
   const part = (one, side) => {
     const kind = kind_of(one)
     if (kind == null) return one
     const changes = { ...SIZES[kind], ...looks[kind] }
-    if (kind == "axis") return copied(one, { ...changes, ...fitted_axis(one, side, seen, width) })
+    const own = one.ticker ?? one.axis?.ticker, ticker = tickers.get(own) ?? own
+    if (kind == "axis") return copied(one, { ...changes, ticker, ...fitted_axis(one, side, seen, width) })
     if (kind == "legend") return copied(one, { ...changes, ...fitted_legend(one, seen, width), items: with_keys(one.items, keys) })
     if (kind == "bar") return copied(one, changes)
-    return copied(one, { ...changes, axis: null, ticker: one.ticker ?? one.axis?.ticker })
+    return copied(one, { ...changes, axis: null, ticker })
   }
   return copied(model, {
     ...looks.plot, min_border_left: left, min_border_right: right,
@@ -195,7 +215,7 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
     renderers: marked.renderers, x_range: ranges[0], y_range: ranges[1], toolbar_location: null,
     toolbar: new model.toolbar.constructor({ tools: [] }),
     ...Object.fromEntries(["left", "right", "above", "below", "center"].map(
-      place => [place, model[place].map(one => part(one, place))])),
+      place => [place, model[place].filter(one => !is_of_drawing(one)).map(one => part(one, place))])),
   })
 }
 

@@ -3,7 +3,7 @@
 // vectors.
 
 import { typeset } from "./picture_letters.js"
-import { drawn, FONT, INK, lettered_levels, PAPER, SMALL, TEXT, thinned, wrapped } from "./picture_layout.js"
+import { drawn, FONT, INK, is_of_drawing, lettered_levels, PAPER, SMALL, TEXT, thinned, wrapped } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
 const GAP = 10  // pixels between figure and caption, and around the caption
@@ -213,6 +213,17 @@ const WRITERS = {
   },
 }
 
+const PATIENCE = 10000  // milliseconds
+
+// Wait until all of the figures is drawn.
+const finish = async views => {
+  const until = Date.now() + PATIENCE, says = one => is_of_drawing(one) && one.text != ""
+  while (views.some(view => view.model.center.some(says))) {
+    if (Date.now() > until) throw new Error("a part of the figure is still being drawn; try again when it is there")
+    await new Promise(resolve => setTimeout(resolve, 100))
+  }
+}
+
 const amount = words => Number(/[0-9]+/.exec(words)[0])  // such as that of “175 mm”
 
 // Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, captions ("short" and "full", which is always
@@ -222,6 +233,7 @@ export const save = async (ids, chosen) => {
   if (views.length == 0) throw new Error("the figure is no longer on the page")
   const [millimetres, tallest, points, dpi] = [chosen.width, chosen.height, chosen.points, chosen.dpi].map(amount)
   const wish = { ...chosen, millimetres, tallest, points, dpi, printed: chosen.look == "for print" }
+  await finish(views)
   const made = await composed(views, wish)
   const blob = await WRITERS[wish.kind](made, wish)
   const link = document.createElement("a")

@@ -113,8 +113,9 @@ class Ground:
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
         self._marked = ColumnDataSource({"count": [0]})
         self.waiting = Label(
-            x=8, y=8, x_units="screen", y_units="screen", text="", text_font_size="12px", text_color=GREY
-        )
+            x=8, y=8, x_units="screen", y_units="screen", text="", text_font_size="12px", text_color=GREY,
+            tags=["drawing"],
+        )  # fmt: skip
         plot.add_layout(self.waiting)
         self.readout = Div(text="", render_as_text=True, styles=READOUT_STYLES, margin=0)
 

@@ -15,7 +15,7 @@ __all__ = ["XY", "Axes", "Plane", "units_of"]
 Axes = tuple[int, int]
 """Two variables, by number."""
 
-SLENDER = 20.0
+SLENDER = 5.0
 """Ratio of the extents of two variables from which one of them is drawn in a unit of its own."""
 
 ROUNDING = 1e-12

@@ -33,7 +33,7 @@ def test_a_curve_is_drawn_with_no_side_longer_than_the_other_by_slender(across, 
         assert abs(math.log10(extents[kept])) <= abs(math.log10(extents[1 - kept])) + 1e-9
 
 
-@pytest.mark.parametrize(("across", "up"), [(1.0, 19.0), (3.0, 0.16), (1e-5, 2e-5), (4e8, 1e8)])
+@pytest.mark.parametrize(("across", "up"), [(1.0, 4.9), (3.0, 0.61), (1e-5, 2e-5), (4e8, 1e8)])
 def test_variables_of_about_one_size_have_no_units(across, up):
     assert units_of(turn(across, up)) == (1.0, 1.0)
 
