@@ -224,7 +224,7 @@ def _warnings(tau: float, t: Floats, constants: Constants) -> Iterator[str]:
         if name == "window_hat":
             yield from _failures(tau, t, constants.alpha_hat2)
         # A bound of 0 says nothing: a second derivative is not bounded, as of a root, or `_failures` has reported it.
-        rows = np.flatnonzero((0.0 < values) & (values < tau))
+        rows = np.flatnonzero((values > 0.0) & (values < tau))
         if rows.size:
             worst = rows[np.argmin(values[rows])]
             advice = f"take tau below {_round_down(values[worst]):.2g}"

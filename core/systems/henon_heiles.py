@@ -13,7 +13,7 @@ SYSTEM = PiecewiseSystem(
     g="x + wall",
     psi_minus=(_ENERGY,),
     psi_plus=(_ENERGY,),
-    parameters=(Parameter("wall", 0.1, (-0.4, 0.6), "distance of the wall from the axis, to the left", "c"),),
+    parameters=(Parameter("wall", 0.1, (-0.4, 0.6), "distance of the wall x = −c from the y-axis", "c"),),
     x0=(0.2, 0.1, 0.1, 0.35),
     jump=("x", "y", "-u", "v"),
     doc="In the potential of Hénon and Heiles (1964), orbits in the central well with an energy below 1/6 are bounded, "

@@ -12,7 +12,7 @@ SYSTEM = PiecewiseSystem(
         Parameter("belt", 0.3, (0.05, 2.0), "speed of the belt", "w"),
         Parameter("static", 1.0, (0.1, 3.0), "coefficient of static friction", r"\mu_s"),
         Parameter("kinetic", 0.4, (0.05, 3.0), "coefficient of friction at high speed", r"\mu_k"),
-        Parameter("decay", 0.5, (0.05, 5.0), "speed over which friction falls", "d"),
+        Parameter("decay", 0.5, (0.05, 5.0), "scale of the speed over which friction falls", "d"),
     ),
     x0=(0.0, 0.0),
     doc="A block on a belt, held by a spring, sticks and is carried along until the spring pulls it loose; it slips "

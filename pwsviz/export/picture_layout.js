@@ -44,17 +44,20 @@ const width_of = (words, size) => {
   return pen.measureText(words).width
 }
 
-// The spaces of a text but those of a relation or a product, before a sign of operation, after a comma in brackets, or of a
-// short sum in them, in a norm or after an equals sign, and after an article and words with a number: t = 20, (1, 2),
-// (x² + y²), ‖x − x*‖ and “order 2” stay on one line, and a longer sum breaks after a sign.
-const BETWEEN_WORDS = /(?<![=<>≤≥≈×])(?<!\b(?:order|region))(?<!(?<![^ (“])[Aa])(?<!\([^()]{0,60},)(?<!\([^() ]+ [+−]?)(?<!‖[^‖ ]+ [+−]?)(?<!= [^ ]{1,12} [+−]) (?![=<>≤≥≈]|[+−×] )/
+// The spaces of a text but those in formulas, after a comma in brackets, and after an article and words with a number: t = 20,
+// (1, 2), x² + y², ‖x − x*‖ and “order 2” stay on one line.
+const BETWEEN_WORDS = /(?<![=<>≤≥≈×+−·Σᵢ])(?<!\b(?:order|region))(?<!(?<![^ (“])[Aa])(?<!\([^()]{0,60},)(?<!\([^() ]+)(?<!‖[^‖ ]+) (?![=<>≤≥≈]|[+−×·] )/
+
+// The spaces at which a formula that is wider than a line breaks: after a sign between terms.
+const BETWEEN_TERMS = /(?<= [+−]) /
 
 // The lines of a text, broken between words (or at other separators) where it would be wider than a number of pixels; what is
-// too wide without such a place is broken at any space.
+// too wide without such a place is broken between terms, and what is still too wide at any space.
 export const wrapped = (words, width, size, between = BETWEEN_WORDS) => {
   const lines = []
   const whole = words.split(between).filter(Boolean)
-  for (const word of whole.flatMap(one => width_of(one, size) > width ? one.split(" ") : [one])) {
+  const parted = (parts, at) => parts.flatMap(one => width_of(one, size) > width ? one.split(at) : [one])
+  for (const word of parted(parted(whole, BETWEEN_TERMS), " ")) {
     const longer = lines.length > 0 ? `${lines.at(-1)} ${word}` : word
     if (lines.length > 0 && width_of(longer, size) <= width) lines[lines.length - 1] = longer
     else lines.push(word)

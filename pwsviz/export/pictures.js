@@ -42,8 +42,8 @@ const below = lines => lines.length > 0 ? 2 * GAP + STEP * lines.length : GAP / 
 // it leaves the figures too little of the greatest height, the picture is higher.
 const fitted = async (views, wish, width) => {
   const keys = views.map(view => lettered_levels(view, width))
-  const caption = wish.captions[wish.caption]
-  const words = [caption, caption && views.some(thinned) ? THINNED : "", ...keys].filter(Boolean).join(" ")
+  const [caption, ...last] = (wish.captions[wish.caption] ?? "").split("\n")
+  const words = [caption, caption && views.some(thinned) ? THINNED : "", ...keys, ...last].filter(Boolean).join(" ")
   const lines = wrapped(words, width - 2 * GAP, SMALL), tallest = width / wish.millimetres * wish.tallest
   const least = Math.min(LEAST * width, PART * tallest)
   return { lines, pictures: await drawn(views, width, wish, tallest - below(lines) - SLACK, least) }
@@ -90,7 +90,7 @@ const composed = async (views, wish) => {
     xmlns: "http://www.w3.org/2000/svg", width: `${wish.millimetres}mm`,
     height: `${wish.millimetres * height / picture.width}mm`, viewBox: `0 0 ${picture.width} ${height}`,
   })
-  svg.append(node("title", {}, wish.title), node("desc", {}, wish.captions.full), node("style", {}, faces.join(" ")))
+  svg.append(node("title", {}, wish.title), node("desc", {}, described(wish)), node("style", {}, faces.join(" ")))
   const [ground, ink] = wish.printed ? [PAPER, INK] : colours_of(views[0].el)
   svg.append(node("rect", { x: 0, y: 0, width: picture.width, height, fill: ground }))
   let top = 0
@@ -197,7 +197,7 @@ const WRITERS = {
     }
     const size = [wish.millimetres, wish.millimetres * height / width]
     const paper = new jspdf.jsPDF({ unit: "mm", format: size, orientation: size[0] > size[1] ? "l" : "p", putOnlyUsedFonts: true, compress: true })
-    paper.setProperties({ title: wish.title, subject: wish.captions.full, creator: "pwsviz" })
+    paper.setProperties({ title: wish.title, subject: described(wish), creator: "pwsviz" })
     const faces = await load_font()
     for (const [style, font] of Object.entries(faces)) paper.addFileToVFS(`${style}.ttf`, font)
     for (const style of ["normal", "italic", "bold"]) paper.addFont("normal.ttf", FONT, style)
@@ -223,6 +223,8 @@ const finish = async views => {
     await new Promise(resolve => setTimeout(resolve, 100))
   }
 }
+
+const described = wish => wish.captions.full.replace("\n", " ")
 
 const amount = words => Number(/[0-9]+/.exec(words)[0])  // such as that of “175 mm”
 

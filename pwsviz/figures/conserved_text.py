@@ -81,14 +81,14 @@ def meaning(curves: Sequence[ErrorCurve], met: str, round_off: bool = True) -> s
         words.append(f"|Δψ| is the change of ψ since the start{own * any(len(one.crossings) for one in curves)}")
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
-        when = "so far" if round_off_grows(curves[0]) else "in the run"
+        when = "up to each time" if round_off_grows(curves[0]) else "in the run"
         words += [f"The round-off line is {LEVEL} times the largest |ψ| + Σᵢ |xᵢ\u00a0∂ψ/∂xᵢ| {when}"] * round_off
     if CHANGE_OF_G in name:
         words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
     if any(np.nanmax(curve.error, initial=0.0) >= CEILING for curve in curves):
         words.append("A curve ends at a triangle where it leaves the plot")
     if 0 < len(curves[0].crossings) <= MOST_BANDS:
-        words.append("Marks at the lower edge are at the times at which the run meets a surface")
+        words.append("Marks at the lower edge are the times at which the run meets a surface")
     return f"{'. '.join(words)}.{_about_marks(curves)}"
 
 

@@ -204,7 +204,7 @@ def _missing(study: core.WorkPrecision) -> Iterator[str]:
         count = sum(curve.status.count(word) for curve in study.curves)
         if count:
             yield f"{plural(count, 'setting')} {word}."
-    wrong = f"a sequence of crossings other than the solution’s, which has {study.met} (open symbols)"
+    wrong = f"the sequence of crossings differs from that of the solution, {study.met} (open symbols)"
     told: dict[str, list[str]] = {}
     for curve in study.curves:
         places: dict[str, list[int]] = {}
@@ -241,6 +241,6 @@ def compared_with(study: core.WorkPrecision) -> str:
 
 def _comparison(study: core.WorkPrecision, up: Up) -> str:
     return (
-        f"Run {compared_with(study)}; errors below {study.floor[up]:.0e} may be the round-off of one "
-        "state or those of the reference. Round-off adds up along a run: a curve may level off above that."
+        f"Run {compared_with(study)}; errors below {study.floor[up]:.0e} may be due to the round-off of "
+        "a state or to the reference. Round-off adds up along a run: a curve may level off above that."
     )

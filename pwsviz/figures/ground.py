@@ -53,7 +53,7 @@ READOUT_STYLES: dict[str, str | None] = {
 OWN_LEVEL, ATTRACTS, REPELS = "ψ = ψ(trajectory)", "S attracts", "S repels"
 
 MEANINGS = {
-    OWN_LEVEL: f"“{OWN_LEVEL}”: level sets of ψ through the beginnings of at most {PIECES_WITH_LEVELS} arcs of "
+    OWN_LEVEL: f"“{OWN_LEVEL}”: level sets of ψ through the first points of up to {PIECES_WITH_LEVELS} arcs of "
     "{trajectory}",
     ATTRACTS: f"“{ATTRACTS}”: both fields point towards S",
     REPELS: f"“{REPELS}”: both fields point away from S",

@@ -213,8 +213,8 @@ def _write_multipliers(
 ) -> None:
     """Write Λ^τ of each mode, followed by what `write` adds to it."""
     sheet.say(
-        "The multiplier Λ^τ is a discrete gradient of ψ: exact for any two states, and symmetric in them. Index 0 is "
-        "the start of a step and 1 its end, equation (2.3) of the paper."
+        "The multiplier Λ^τ is a discrete gradient of ψ: exact for any two states, and symmetric in them. Index 0 "
+        "denotes the start of a step, and 1 its end; see (2.3) of the paper."
     )
     sheet.formula(
         r"\Lambda^{\tau} ( x_{1} - x_{0} ) + s_{t} ( t_{1} - t_{0} ) = \psi ( t_{1} , x_{1} ) - \psi ( t_{0} , x_{0} )"
@@ -347,8 +347,8 @@ def _write_transition(
 
 def _write_sliding(sheet: EquationSheet) -> None:
     sheet.say(
-        "Where both fields point to the surface, the state slides along it, with the combination of both that keeps "
-        "g = 0 (Filippov), until ġ₋ or ġ₊ vanishes, the rates of g along f₋ and f₊:"
+        "Where both fields point towards the surface, the state slides along it, with the combination of both that "
+        "keeps g = 0 (Filippov), until ġ₋ or ġ₊ vanishes, the rates of g along f₋ and f₊:"
     )
     names = {Symbol(name): name for name in (r"\dot{g}_{-}", r"\dot{g}_{+}", "f_{-}", "f_{+}")}
     (below, above, minus, plus), sheet.names = names, names

@@ -17,9 +17,8 @@ import core
 from core.studies import NOT_YET, OutcomeMap
 from pwsviz.figures.colours import GREY
 from pwsviz.figures.legends import legend_below
-from pwsviz.figures.lines import line_of
 from pwsviz.figures.stability_outcomes import OUTCOMES, lasts, outcomes_shown
-from pwsviz.figures.stability_text import draws_line
+from pwsviz.figures.stability_text import has_limit
 from pwsviz.figures.style import assign, fit_to_corners, plain_figure, tips
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
@@ -43,7 +42,7 @@ CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
 LIMIT = "largest successful τ"
-"""Legend of the line."""
+"""Legend of the diamond."""
 
 PLACE = "chosen τ and start"
 """Legend of the cross."""
@@ -110,11 +109,10 @@ class MapFigure:
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def _limit_glyphs(self) -> GlyphRenderer[Any]:
-        """Make the line at the largest step size that works; return it."""
-        self.limits = ColumnDataSource({name: [] for name in ("x", "low", "high", "colour", "dash")})
-        ends: dict[str, Any] = {"x0": "x", "y0": "low", "x1": "x", "y1": "high", "source": self.limits}
-        self.figure.segment(**ends, line_color="#FFFFFF", line_width=5)
-        return self.figure.segment(**ends, line_color="colour", line_dash="dash", line_width=2.5)
+        """Make the diamond at the largest step size that works: dark about light, seen on every cell; return it."""
+        self.limits = ColumnDataSource({"x": [], "y": []})
+        look: dict[str, Any] = {"fill_color": "#FFFFFF", "line_color": "#000000", "line_width": 2.5}
+        return self.figure.scatter("x", "y", source=self.limits, marker="diamond", size=18, **look)
 
     def _place_glyphs(self) -> list[GlyphRenderer[Any]]:
         """Make the cross at the step size and the start of the page: a dark one on a light one, seen on every cell."""
@@ -126,7 +124,7 @@ class MapFigure:
 
     def show(self, study: core.StabilityStudy, method: str, what: Shown) -> None:
         """Draw what is computed of the map of one integrator, and its largest successful step size."""
-        self.figure.yaxis[0].axis_label = f"{variable_name(study.coordinate_name)} at the start"
+        self.figure.yaxis[0].axis_label = f"initial {variable_name(study.coordinate_name)}"
         cells = {} if study.map is None else _cells(study.map, study.methods.index(method))
         known, whole = np.isfinite(cells.get("height", np.empty(0))), cells.get("lasts", np.empty(0, dtype=bool))
         every = np.ones(len(known), dtype=bool)
@@ -150,21 +148,11 @@ class MapFigure:
         self._place.visible = True
 
     def _show_limit(self, study: core.StabilityStudy, method: str) -> None:
-        """Draw the line in the cells about the start for which it holds."""
-        there = study.map is not None and draws_line(study, method)
+        """Mark the largest successful step size at the start for which it holds."""
+        there = study.map is not None and has_limit(study, method)
         self._limit.visible = there
-        if not there or study.map is None or study.largest_tau is None:
-            assign(self.limits, **{name: [] for name in self.limits.data})
-            return
-        line, up = line_of(method), _edges(study.map.values)
-        row = int(np.argmin(np.abs(study.map.values - study.x0[study.coordinate])))
-        self.limits.data = {
-            "x": study.largest_tau.tau[[study.methods.index(method)]],
-            "low": up[[row]],
-            "high": up[[row + 1]],
-            "colour": [line.colour],
-            "dash": [list(line.dash)],
-        }
+        place = study.largest_tau.tau[study.methods.index(method)] if study.largest_tau is not None else np.nan
+        assign(self.limits, x=[place] * there, y=[study.x0[study.coordinate]] * there)
 
 
 def _edges(centres: Floats) -> Floats:

@@ -17,7 +17,7 @@ from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import listed, plural, rounded_up
 
-__all__ = ["draws_line", "runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
+__all__ = ["has_limit", "runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
 
 UNKNOWN = "–"
 """In place of a number that is not known, or that there is not."""
@@ -46,7 +46,7 @@ def stability_text(study: core.StabilityStudy, part: str, caption: bool = False)
     part
         "map" (which includes the largest step sizes), "drift" or "grazing".
     caption
-        Whether it follows `runs_drawn`, which says already for which start the lines of a map hold.
+        Whether it follows `runs_drawn`, which says already for which start the largest step size holds.
     """
     if part == "map" and (study.map is not None or study.largest_tau is not None):
         words = f"{_grid(study, not caption)}{_ends_early(study)}{_never_cross(study)}"
@@ -63,20 +63,20 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
     methods = listed(study.methods)
     if part == "map":
         start = printed(f"{variable_name(study.coordinate_name)} = {study.x0[study.coordinate]:.6g}")
-        limits = study.largest_tau if draws_line(study, method) else None
-        line = ""
+        limits = study.largest_tau if has_limit(study, method) else None
+        mark = ""
         if limits is not None:
             last = ", at the largest τ tried," * (not limits.reason[study.methods.index(method)])
-            line = f", and the line{last} refers only to the start {start}{_until(study, limits)}"
-        return f"each cell represents a run of {method} to t = {study.t_span[1]:.6g}{line}"
+            mark = f", and the diamond{last} refers only to runs from {start}{_until(study, limits)}"
+        return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}{mark}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
         return f"integrated by {methods} with step size τ = {tau:.6g} to t = {steps * tau:,.6g}"
     return f"integrated by {methods}"
 
 
-def draws_line(study: core.StabilityStudy, method: str) -> bool:
-    """Whether there is a line of the largest successful step size in the map of an integrator."""
+def has_limit(study: core.StabilityStudy, method: str) -> bool:
+    """Whether the largest successful step size of an integrator is known."""
     return study.largest_tau is not None and bool(study.largest_tau.found[study.methods.index(method)])
 
 
@@ -193,7 +193,7 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
         if largest.done[k]
     )
     caption = f"Largest successful step size of runs from the chosen start{_until(study, largest)}"
-    return Numbers(("integrator", "largest successful τ", "least failing τ", "reason"), rows, caption=caption)
+    return Numbers(("integrator", "largest successful τ", "smallest failing τ", "reason"), rows, caption=caption)
 
 
 def _all_work(last: float) -> str:
@@ -209,7 +209,7 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
         return f", from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected is not core.Status.COMPLETED:
         return f", from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
-    moved = f" (not {end:.4g}, within one step of which the solution meets or leaves a surface)" * (horizon != end)
+    moved = f", as the solution meets or leaves a surface within one step of t = {end:.4g}" * (horizon != end)
     return f" to t = {horizon:.4g}{moved}"
 
 

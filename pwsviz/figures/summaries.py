@@ -115,7 +115,7 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
     words += f" {fit_rule(shown)}."
     if early:
         usual = listed([str(k) for k in STUDY_CROSSINGS])
-        words += f" The trajectory has fewer crossings than the usual ones, {usual}."
+        words += f" The trajectory has too few crossings for the usual ones, {usual}: earlier ones are used."
     return words
 
 

@@ -30,7 +30,7 @@ __all__ = [
 SUMMARY = "Bifurcation diagram: points that runs leave on a surface, against a parameter"
 """What the figure shows, for screen readers."""
 
-TOO_FEW = Outcome("fewer crossings than requested", GREY)
+TOO_FEW = Outcome("fewer points than requested", GREY)
 """Of a run that reaches the end time before it has all its points."""
 
 LONGEST_PERIOD = 64
@@ -141,7 +141,8 @@ def _at_present(found: Diagram, present: float) -> str:
     if period := approached(points, turn):
         return f"{at} the points still approach {'a limit' if period == 1 else f'a cycle of {period}'}."
     least = min(LONGEST_PERIOD, len(points) // 2)
-    return f"{at} no period up to {least} was found: a longer transient, a torus, or chaos."
+    cause = "the transient or the period may be longer, or the motion quasi-periodic or chaotic"
+    return f"{at} no period up to {least} was found: {cause}."
 
 
 def _refusal(found: Diagram) -> str:

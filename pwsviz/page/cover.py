@@ -55,7 +55,7 @@ TONES
 #cover .greeting { margin: 15px 16px -15px; }
 #cover ~ #loader .spinner { display: none; }
 @media (width < NARROWpx) {
-  #cover aside { display: none; } #cover main { margin-left: 16px; }
+  #cover aside, #cover.lifted .view { display: none; } #cover main { margin-left: 16px; }
   #cover figure { margin-top: 33px; } #cover header { padding-left: 60px; } }
 @media (height < LOWpx) { #cover aside { display: none; } #cover main { margin-left: 16px; --column: LEASTpx; } }
 </style>
@@ -69,7 +69,9 @@ GREETING
   const cover = document.getElementById("cover"), begun = performance.now(), dark = (IS_DARK)()
   cover.classList.toggle("dark", dark)
   if (location.search.length > 1) { cover.querySelector("svg").remove() }  // a link shows another scene
-  const painted = () => window.Bokeh?.index?.query_one?.(view => view.model.type == "Figure" && view.is_idle) != null
+  // Painted, and a star that is dragged is taken for one: see `gestures`.
+  const ready = view => view.model.type == "Figure" && view.is_idle && view.canvas_view.events_el.dataset.gestures
+  const painted = () => window.Bokeh?.index?.query_one?.(ready) != null
   const told = () => Bokeh.documents[0]?.roots().find(root => "sidebar_open" in (root.data ?? {}))?.data
   // The page learns from the browser that it is dark or narrow, and takes a moment to change its colours or controls.
   const fits = page => page?.dark_theme == dark && page.sidebar_open == !CRAMPED

@@ -19,7 +19,7 @@ from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
 from pwsviz.page.headline import Headline
 from pwsviz.page.help import ABOUT, CITATION, Help
-from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, NOT_IN_LECTURES, STACK_CSS, TABS_SX
+from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, NOT_IN_LECTURES, NOT_ON_PHONES, STACK_CSS, TABS_SX
 from pwsviz.page.pieces import pieces_of
 from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
 from pwsviz.page.sidebar import Sidebar
@@ -96,7 +96,8 @@ class Explorer(pn.viewable.Viewer):
         )  # fmt: skip
         link_portrait(self.portrait_panel.portrait)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
-        self._controls, self._views = (pn.Column(margin=0, sizing_mode="stretch_width") for _ in range(2))
+        self._controls = pn.Column(text_pane("Loading …"), margin=0, sizing_mode="stretch_width")
+        self._views = pn.Column(margin=0, sizing_mode="stretch_width")
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self.lecture = Lecture(sizing_mode="fixed", width=0, height=0, margin=0)
         self._look = ""  # what an example shows, to be told with its results
@@ -411,7 +412,11 @@ class Explorer(pn.viewable.Viewer):
         export.on_click(lambda _: self.export.open(self._page_address()))
         ask = pmui.IconButton(icon="help_outline", description="Help (?)", size="small", margin=4)
         ask.on_click(lambda _: self.help.open(self.lecture.large))
-        parts: list[Any] = [undo, redo, export, ask, self.headline.tagline]
+        lecture = pmui.IconButton(
+            icon="co_present", description="Lecture mode (L)", size="small", margin=4, sx=NOT_ON_PHONES
+        )
+        lecture.on_click(lambda _: self.lecture.turn())
+        parts: list[Any] = [undo, redo, export, lecture, ask, self.headline.tagline]
         for part in parts:
             part.align = "center"
         return parts

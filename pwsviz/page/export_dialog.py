@@ -249,8 +249,9 @@ def _complaint() -> pmui.Typography:
 
 
 def _caption(scene: Scene, piece: Piece) -> str:
+    """Return a caption in full; its last line, after what the browser adds, says with what it was computed."""
     words = caption(scene, piece.heading or piece.title, **piece.origin)
-    return " ".join(filter(None, [words, piece.meaning, f"Computed with {release()}."]))
+    return f"{words} {piece.meaning}".strip() + f"\nComputed with {release()}."
 
 
 def _short_caption(scene: Scene, piece: Piece) -> str:

@@ -48,9 +48,10 @@ _USE = (
     "Double-click beside the stars to fit the portrait to the trajectories.",
     "Choose integrators to compare them: dmm2 to dmm8 (Discrete Multiplier Method), prk8 and taylor conserve ψ; "
     "Runge–Kutta methods (rk) in general do not, and gauss4 conserves linear and quadratic ψ only.",
-    "Each tab beside the portrait answers one question: is ψ conserved, how does the state change in time, what is the "
-    "order, how accurate are the times of crossings, what does accuracy cost, where does a trajectory meet a surface, "
-    "which step sizes work, what does a parameter change, what is the scheme.",
+    "Conserved quantity: is ψ conserved? State: how does it change in time? Order: how fast do errors fall with τ? "
+    "Crossing time: how accurate are the times of crossings? Cost: what does accuracy cost? Section: where do "
+    "trajectories meet a surface? Stability: which step sizes work? Sweep: what does a parameter change? Scheme: what "
+    "is computed?",
     "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0, in the colours of their "
     "starts. A click there starts a trajectory on the surface, with the conserved quantities of the selected one.",
     "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "

@@ -6,7 +6,16 @@ from pwsviz.page.cover import COLUMNS, LEAST
 from pwsviz.widgets.browser import LOW, NARROW
 from pwsviz.widgets.panes import PLAIN_SX
 
-__all__ = ["ABOUT_CSS", "GRID_CSS", "HEADER_SX", "NOT_IN_LECTURES", "STACK_CSS", "TABS_SX", "TAGLINE_CSS"]
+__all__ = [
+    "ABOUT_CSS",
+    "GRID_CSS",
+    "HEADER_SX",
+    "NOT_IN_LECTURES",
+    "NOT_ON_PHONES",
+    "STACK_CSS",
+    "TABS_SX",
+    "TAGLINE_CSS",
+]
 
 GRID_CSS = f"""
 :host {{ {COLUMNS} height: auto !important; max-height: none !important; container-type: inline-size; }}
@@ -63,5 +72,8 @@ p { max-width: 64ch; color: var(--mui-palette-text-secondary); display: var(--us
 
 NOT_IN_LECTURES = {"&&": {"display": "var(--usual, inline-flex)"}}
 """Of a button that a lecture does without."""
+
+NOT_ON_PHONES = {"&&": {f"@media (width < {NARROW}px)": {"display": "none"}}}
+"""Of a button for which the header of a phone has no room."""
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"

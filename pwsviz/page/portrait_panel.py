@@ -426,7 +426,7 @@ class PortraitPanel(pn.viewable.Viewer):
         )  # fmt: skip
         return pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
-            self.pane, row, self.limits, self.player, self.trouble, self.status, self.note,
+            self.pane, row, self.player, self.limits, self.trouble, self.status, self.note,
             margin=0, sizing_mode="stretch_width", stylesheets=[NARROW_CSS],
         )  # fmt: skip
 

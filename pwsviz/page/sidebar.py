@@ -192,7 +192,7 @@ class Sidebar(pn.viewable.Viewer):
             for p in system.parameters
         }
         coordinates = {
-            f"x0.{i}": {"label": f"{variable_name(name)} at start", "description": START}
+            f"x0.{i}": {"label": f"initial {variable_name(name)}", "description": START}
             for i, name in enumerate(system.variables)
         }
         spare = {key: list(fields) for key, fields in self._made.items()}

@@ -13,6 +13,7 @@ from core.integration import largest_size
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.shades import shades_of
 from pwsviz.results.requests import RunInputs
+from pwsviz.scene.names import met_at_surfaces
 from pwsviz.text.advice import on_page
 
 __all__ = ["Summary", "summary_of", "warning_of"]
@@ -54,9 +55,14 @@ def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summar
         t_end=float(run.t[-1]),
         worst_error=float(np.fmax.reduce(sizes, initial=np.nan)),
         status=run.status,
-        message=on_page(run.outcome, run.system.variables) if run.status is not core.Status.COMPLETED else "",
+        message=_message(run) if run.status is not core.Status.COMPLETED else "",
         begins=_beginning(run),
     )
+
+
+def _message(run: core.Trajectory) -> str:
+    """Return why a run ended, with what it meets at its surfaces by its name."""
+    return on_page(run.outcome, run.system.variables).replace("crossings or jumps", met_at_surfaces(run.system))
 
 
 def warning_of(run: core.Trajectory) -> str:

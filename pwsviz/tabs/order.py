@@ -35,7 +35,7 @@ from pwsviz.text.words import at_surface, listed, perturbation
 from pwsviz.widgets.panes import leave_out
 from pwsviz.widgets.setting_buttons import choice
 
-FITS = "Broad lines: least-squares fits."
+FITS = "Broad lines: the fits."
 """What captions say of them."""
 
 Studies = tuple[core.OrderStudy, ...]

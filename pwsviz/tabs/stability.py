@@ -13,7 +13,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import Shown
-from pwsviz.figures.stability_text import draws_line, runs_drawn
+from pwsviz.figures.stability_text import has_limit, runs_drawn
 from pwsviz.geometry.section_crossings import may_slide
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN, met_at_surfaces
@@ -37,7 +37,7 @@ MEANINGS = {
     "drift": "|Δψ| is the change of ψ since the start; drawn is the largest in each part of the time.",
     "grazing": "|Δψ| is the change of ψ since the start.",
 }
-"""Of the lines in each part, for captions."""
+"""Of what is drawn in each part, for captions."""
 
 CONSERVES = " and, for a conservative integrator, |Δψ| is at most 10⁻¹⁰ times the size of the terms of ψ"
 """What a successful run of some integrators does besides, where ψ is known."""
@@ -140,15 +140,15 @@ class StabilityTab(LongTab):
         return "" if scene.stability_part == "drift" else scene.declaration.variables[scene.stability_coordinate]
 
     def meaning(self, outcome: core.StabilityStudy) -> str:
-        """Return which runs are successful, for captions of the map, whose lines are named so, or what the error is."""
+        """Return which runs are successful, for captions of the map, which names the largest, or what the error is."""
         part, known = self.scene.stability_part, self.scene.declaration.laws.most_conserved > 0
         known = known and any(core.METHODS[name].conservative for name in outcome.methods)
-        if part == "map" and not draws_line(outcome, self.scene.selected_method):
+        if part == "map" and not has_limit(outcome, self.scene.selected_method):
             return ""
         return MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))
 
     def key(self, outcome: core.StabilityStudy) -> str:
-        """Return which runs are successful, where a line of the map is named so."""
+        """Return which runs are successful, where the map names the largest."""
         return self.meaning(outcome) if self.scene.stability_part == "map" else ""
 
     def how(self, outcome: core.StabilityStudy) -> str:

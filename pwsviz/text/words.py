@@ -56,7 +56,7 @@ JUMPS_MARKED = "Jumps are marked at the state before each."
 
 def whose_marks(methods: Sequence[str], crossings: int) -> str:
     """Say of several integrators whose shades are shown, and whose crossings are marked if there are any."""
-    shown = "Marks at surfaces and any shading are those" if crossings else "Any shading is that"
+    shown = "Marks at surfaces and shading are those" if crossings else "Shading is that"
     return f"{shown} of {methods[0]}." if len(methods) > 1 else ""
 
 

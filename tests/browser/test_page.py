@@ -187,7 +187,7 @@ def test_a_picture_in_more_dimensions_says_that_it_is_projected_and_is_not_left_
     before = await_that(page, PORTRAIT)["frame"]
     choose_system(page, "Rigid body")
     page.get_by_text(re.compile("Projection onto the plane of y₁, y₂")).wait_for()
-    field(page, "y₃ at start").wait_for()
+    field(page, "initial y₃").wait_for()
     drawing = await_painted(page, "Phase portrait")
     page.wait_for_timeout(200)
     assert opacity(drawing) == 1

@@ -69,7 +69,7 @@ def test_the_curves_are_there_as_drawn_between_long_steps_and_with_gaps_at_jumps
         for orbit in orbits:
             rows = rows_of(found, number, orbit.method)
             points = np.column_stack([found[v][rows] for v in variables])
-            assert np.array_equal(points, orbit.path, equal_nan=True)
+            assert np.array_equal(points, pictures.plane.values(orbit.path), equal_nan=True)
             assert np.isnan(points).any(axis=1).sum() >= 2
             assert len(points) > 3 * 2.0 / 0.3
     assert found["start"].tolist() == sorted(found["start"])

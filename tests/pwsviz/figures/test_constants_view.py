@@ -69,7 +69,7 @@ def test_without_a_transversal_crossing_no_bound_is_satisfied() -> None:
 def test_bounds_that_are_satisfied_are_those_at_transversal_crossings() -> None:
     run = core.integrate(core.CATALOGUE["coulomb_friction"], (0.0, 20.0), sliding="continue")
     text = constants_markup("dmm2", core.diagnose(run), run)
-    assert "The worst over 3 crossings, 1 slide of dmm2" in text
+    assert "The worst values over 3 crossings, 1 slide of dmm2" in text
     assert "τ satisfies all bounds. Where the surface is not crossed transversally they do not apply." in text
 
 
@@ -85,7 +85,7 @@ def test_accumulating_crossings_are_no_warning_against_the_step() -> None:
     assert run.status is core.Status.ZENO
     text = constants_markup("dmm2", core.diagnose(run), run)
     assert "accumulate" in text
-    assert f"The worst over {run.tally.jumps} jumps of" in text
+    assert f"The worst values over {run.tally.jumps} jumps of" in text
     assert 'role="alert"' not in text
 
 

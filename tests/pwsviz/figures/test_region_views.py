@@ -167,7 +167,7 @@ def test_the_constants_of_the_theory_are_shown_of_several_surfaces():
     run, diagnosis = results.run(inputs), results.diagnosis(inputs)
     assert len(run.crossings)
     assert diagnosis.alpha_S2 == core.diagnose(run).alpha_S2
-    assert f"The worst over {len(run.crossings)} crossing" in scheme_markup(STRIPS, "rk4", diagnosis, run)
+    assert f"The worst values over {len(run.crossings)} crossing" in scheme_markup(STRIPS, "rk4", diagnosis, run)
 
 
 def test_where_a_run_enters_a_region_without_law_its_end_is_marked():

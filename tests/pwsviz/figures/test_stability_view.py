@@ -11,7 +11,6 @@ from bokeh.models.glyphs import Text
 import core
 from core.studies.stability import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS
 from pwsviz.figures.conserved import FLOOR
-from pwsviz.figures.lines import line_of
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import NO_VALUE
 from pwsviz.figures.stability_outcomes import OUTCOMES, UNJUDGED
@@ -193,15 +192,15 @@ def test_heights_of_the_error_map_are_the_errors_raised_to_the_floor(study):
     assert np.allclose(shown[known > 1e-12], known[known > 1e-12], rtol=1e-15)
 
 
-def test_the_largest_step_size_of_the_integrator_of_a_map_is_a_line_in_it(study):
+def test_the_largest_step_size_of_the_integrator_of_a_map_is_marked_at_its_start(study):
     view = StabilityView(lambda *place: None)
     for k, name in enumerate(METHODS):
         view.show(study, "map", name)
         data = view._made["map"].limits.data
-        assert (list(data["x"]), data["colour"]) == ([study.largest_tau.tau[k]], [line_of(name).colour])
+        assert (list(data["x"]), list(data["y"])) == ([study.largest_tau.tau[k]], [study.x0[study.coordinate]])
 
 
-def test_no_label_covers_cells_of_the_map_as_the_legend_names_its_lines(study):
+def test_no_label_covers_cells_of_the_map_as_the_legend_names_its_marks(study):
     view = StabilityView(lambda *place: None)
     drawn = view.figure("map")
     view.show(study, "map", "dmm2")
@@ -304,7 +303,7 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
         (
             "elliptic_curve",
             20.0,
-            " to t = 20.07 (not 20, within one step of which the solution meets or leaves a surface)",
+            " to t = 20.07, as the solution meets or leaves a surface within one step of t = 20",
         ),
         ("type_sliding", 20.0, ", from which the solution itself ends before t = 20: a run has to end likewise"),
     ],
@@ -421,10 +420,10 @@ def test_captions_name_the_runs_of_a_part_and_when_these_end(study):
     assert runs_drawn(study, "drift", "rk2") == (
         f"integrated by dmm2 and rk2 with step size τ = {study.drift.tau:.6g} to t = {20_000 * study.drift.tau:,.6g}"
     )
-    assert runs_drawn(study, "map", "rk2").startswith("each cell represents a run of rk2 to t = ")
+    assert runs_drawn(study, "map", "rk2").startswith("each cell is a run of rk2 to t = ")
     start = f"{study.coordinate_name} = {study.x0[study.coordinate]:.6g}".replace("-", "−")
-    assert f", and the line refers only to the start {start} to t = " in runs_drawn(study, "map", "rk2")
+    assert f", and the diamond refers only to runs from {start} to t = " in runs_drawn(study, "map", "rk2")
     limits = replace(study.largest_tau, beyond=np.array([np.nan, np.nan]))
     none = runs_drawn(replace(study, largest_tau=limits), "map", "rk2")
-    assert "line" not in none, "all step sizes work: there is no limit to draw"
+    assert "diamond" not in none, "all step sizes work: there is no limit to draw"
     assert runs_drawn(study, "grazing", "rk2") == "integrated by dmm2 and rk2"

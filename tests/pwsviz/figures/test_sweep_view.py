@@ -64,7 +64,7 @@ def test_strips_mark_the_values_whose_runs_end_early_and_are_never_empty():
     assert list(strips["start"]) == [-0.5, 1.5, 2.5]
     assert list(strips["end"]) == [1.5, 2.5, 3.5]
     assert strips["words"] == [
-        OUTCOMES[Status.ESCAPED].words, "fewer crossings than requested", "no run begins here"
+        OUTCOMES[Status.ESCAPED].words, "fewer points than requested", "no run begins here"
     ]  # fmt: skip
     assert view._early.visible
     view.show(diagram([LIMIT] * 7))
@@ -92,7 +92,7 @@ def test_words_and_table_say_how_many_values_end_how_and_where():
     rows = {row[0]: row[1:] for row in sweep_numbers(MIXED).rows}
     assert rows == {
         OUTCOMES[Status.ESCAPED].words: ("2", "0 to 1"),
-        "fewer crossings than requested by t = 2000": ("1", "2"),
+        "fewer points than requested by t = 2000": ("1", "2"),
         "no run begins here": ("1", "3"),
     }
     assert sweep_numbers(diagram([LIMIT] * 7)).rows == ()

@@ -117,7 +117,7 @@ def test_the_fields_of_one_system_become_those_of_the_next(explorer):
     field.entry.place = 4.0
     assert explorer.scene.values["k_plus"] == 4.0
     explorer.scene.system = "gene_switch"
-    assert sidebar.fields["x0.2"].entry.label == "z at start"
+    assert sidebar.fields["x0.2"].entry.label == "initial z"
     explorer.scene.system = "elliptic_curve"
     assert list(sidebar.fields.values()) == list(before.values())
     assert explorer.scene.values == core.CATALOGUE["elliptic_curve"].values

@@ -186,7 +186,7 @@ def test_a_study_of_few_crossings_says_so(explorer):
     explorer.settle(20)
     words = explorer.views["order"].words.object
     assert "before the first crossing and after 1, 2 and 3 crossings" in words
-    assert "fewer crossings than the usual" in words
+    assert "too few crossings for the usual ones" in words
 
 
 def test_a_study_that_is_impossible_says_why(explorer):
