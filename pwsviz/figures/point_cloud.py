@@ -20,8 +20,11 @@ __all__ = ["FEW", "PointCloud", "Portion"]
 FEW = 4000
 """Most points in sight that are drawn as marks: of more, a browser takes longer to paint the marks than an image."""
 
-MARK = 4.0
-"""Diameter in pixels of a mark."""
+MARK, LARGE_MARK = 4.0, 8.0
+"""Diameters in pixels of a mark: usually, and where only `SPARSE` pixels have any."""
+
+SPARSE = 200
+"""Most pixels with points whose marks are large, as of a closed orbit, which would be lost in the figure."""
 
 FAINTEST = 0.7
 """Opacity of a pixel with one point, where the fullest pixel has many."""
@@ -247,6 +250,9 @@ class PointCloud:
             return
         if self._in_sight <= FEW:
             self._picture.data = {name: [] for name in self._picture.data}
+            size = LARGE_MARK if np.count_nonzero(counts.counts.sum(axis=0)) <= SPARSE else MARK
+            for one in self.marks:
+                one.glyph.size = size
             for kind, source in enumerate(self._few):
                 assign(source, **self._marks_in(counts.window, kind))
             return

@@ -7,6 +7,8 @@ import sympy
 import core
 from core.symbolic import TIME, Way, keeps
 from pwsviz.geometry.section_crossings import has_reset
+from pwsviz.scene.presets import PRESETS
+from pwsviz.text.words import listed
 
 __all__ = ["prospects", "reset_words"]
 
@@ -16,8 +18,8 @@ def reset_words(system: core.PiecewiseSystem, of: str) -> str:
     return ", just after the reset map" if has_reset(system, of) else ""
 
 
-def prospects(system: core.PiecewiseSystem) -> str:
-    """Return why a section can show little, or what it depends on; nothing if neither is known."""
+def prospects(system: core.PiecewiseSystem, view: str) -> str:
+    """Return why a view can show little, or what it depends on, and which examples show more; else nothing."""
     words = []
     if _is_flow_in_the_plane(system):
         words.append(
@@ -29,6 +31,9 @@ def prospects(system: core.PiecewiseSystem) -> str:
             "The points depend on the initial value of the conserved quantity; other starts may give a different "
             "section."
         )
+    if words:
+        others = [f"“{one.title}”" for one in PRESETS.values() if one.settings["view"] == view]
+        words.append(f"More is to be seen in the examples {listed(others)}.")
     return " ".join(words)
 
 

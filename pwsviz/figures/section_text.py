@@ -52,7 +52,7 @@ def section_text(outcome: SectionPoints) -> str:
     after = reset_words(inputs.problem.declaration, inputs.of)
     whose = f" of {len(counts)} starts" if len(counts) > 1 else ""
     words = [f"{plural(sum(counts), 'point')}{whose} on {surface_words(inputs)}{after}; {_integrated(outcome)}."]
-    words += [*_short_ones(outcome), prospects(inputs.problem.declaration)]
+    words += [*_short_ones(outcome), prospects(inputs.problem.declaration, "section")]
     return " ".join(filter(None, words))
 
 

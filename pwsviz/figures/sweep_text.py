@@ -112,7 +112,7 @@ def sweep_text(found: Diagram, present: float) -> str:
         words += f" {found_all} {whole:,} of them."
     elif done:
         words += f" {found_all} none of them."
-    hope = prospects(declared) if found.counts.any() or not done else ""
+    hope = prospects(declared, "sweep") if found.counts.any() or not done else ""
     said = (_at_present(found, present), words, _nothing_left(found), _refusal(found), hope)
     return " ".join(filter(None, said))
 

@@ -22,7 +22,10 @@ ABOUT = (
 )
 """What this is, and for whom."""
 
-FIRST = "New here? Choose an example above, or click or tap in the portrait to start a trajectory there."
+FIRST = (
+    "New here? Choose an example above, click or tap in the portrait to start a trajectory there, or enlarge the step "
+    "size τ and see which integrators drift."
+)
 """The first thing to try; shown until an example is chosen."""
 
 GREETING = (

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pwsviz.figures.point_cloud import FEW, PointCloud, Portion
+from pwsviz.figures.point_cloud import FEW, LARGE_MARK, MARK, PointCloud, Portion
 from pwsviz.figures.style import plain_figure
 from pwsviz.geometry.point_counts import PointCounts
 from pwsviz.geometry.window import Window
@@ -41,6 +41,14 @@ def test_few_points_are_marks_of_their_colour_and_many_an_image(cloud):
     (image,) = cloud.image.data_source.data["image"]
     assert image.any()
     assert len(marks(cloud)) == 0
+
+
+def test_points_that_lie_in_few_places_have_large_marks(cloud):
+    once = Portion(np.array([0.0, 1.0, 0.0] * 300), np.array([0.0, 1.0, 1.0] * 300), 0)
+    cloud.show([once])
+    assert {one.glyph.size for one in cloud.marks} == {LARGE_MARK}
+    cloud.show([once, square(2000)])
+    assert {one.glyph.size for one in cloud.marks} == {MARK}
 
 
 def test_what_a_browser_told_before_it_had_the_points_paints_nothing(cloud):

@@ -19,9 +19,15 @@ FEW, OTHERS = "only a few distinct points remain", "other starts may give a diff
     ],
 )  # fmt: skip
 def test_flows_in_the_plane_and_conserved_quantities_are_told(key, said):
-    words = prospects(core.CATALOGUE[key])
+    words = prospects(core.CATALOGUE[key], "section")
     assert {one for one in (FEW, OTHERS) if one in words} == said
 
 
 def test_a_ball_that_bounces_without_loss_conserves_its_energy():
-    assert OTHERS in prospects(core.CATALOGUE["bouncing_ball"].with_parameters(restitution=1.0))
+    assert OTHERS in prospects(core.CATALOGUE["bouncing_ball"].with_parameters(restitution=1.0), "section")
+
+
+@pytest.mark.parametrize(("view", "title"), [("section", "Poincaré section of"), ("sweep", "from order to chaos")])
+def test_where_little_is_to_be_seen_the_examples_of_the_view_are_named(view, title):
+    assert title in prospects(core.CATALOGUE["elliptic_curve"], view)
+    assert prospects(core.CATALOGUE["chua"], view) == ""
