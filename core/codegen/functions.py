@@ -16,6 +16,7 @@ from core.codegen.printing import assignments, doubled_assignments, magnitude, n
 from core.codegen.rounding import rounding_bound
 from core.kernels import abi, divided_differences, stack_array, taylor_coefficients
 from core.kernels.doubledouble import arithmetic, error_free
+from core.symbolic.derivative import derivative
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
@@ -193,7 +194,7 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: 
     steps = ", ".join(f"abs(w[{names.frame.increment + k}])" for k in range(d))
     lines.append(f"reach = {farthest} * max(state, {steps}) + {_ROUNDINGS * _EPS} * abs(t) * speed")
     if kept:
-        entries, worked_out = row_lines([names.own(u.diff(v) for v in laws.x) for u in kept], names.temporaries)
+        entries, worked_out = row_lines([names.own(derivative(u, v) for v in laws.x) for u in kept], names.temporaries)
         lines += [*worked_out, *least_change(entries, moves, names.temporaries, least=_TANGENT)]
         most = str(farthest)
         if 1 < m < FEW:  # steps that keep dependent ψ are known to half the digits only
@@ -201,7 +202,7 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: 
         near = f"max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {most} * state"
         known = f"{' + '.join(f'abs({a})' for a in moves)} < math.inf"
         lines += [f"if not ({near} and {known}):", "    return 0"]
-        gradient = names.own(guard.diff(v) for v in laws.x)
+        gradient = names.own(derivative(guard, v) for v in laws.x)
         change = sympy.Add(*(slope * a for slope, a in zip(gradient, moves, strict=True)))
         lines += [*assignments(["change"], [change], names.temporaries), "s -= change"]
     lines += [

@@ -299,7 +299,7 @@ class StepCode:
     def _gradients_at_end(self) -> list[list[Expr]]:
         """∇ψ at the end of the step."""
         at = {**self._names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
-        return [[psi.diff(v).xreplace(at) for v in self._laws.x] for psi in self._mode.conserved]
+        return [[derivative(psi, v).xreplace(at) for v in self._laws.x] for psi in self._mode.conserved]
 
     def project_to_levels(self, increments: Sequence[Expr], prepared: bool = False) -> list[Expr]:
         """Project an increment along the discrete gradient to the levels of ψ: Λᵗ Δ + h s_t = −(level residual).

@@ -1,7 +1,8 @@
-"""Derivatives as sympy writes them, without products by the zero derivative of what does not move.
+"""Derivatives as sympy writes them, but for products by the zero derivative of what does not move, and for powers.
 
-For each of these sympy asks whether the other factors are finite; where one is tanh of a sum of symbols, of which it
-does not know that they are real, it may take minutes to answer.
+For each of these products sympy asks whether the other factors are finite; where one is tanh of a sum of symbols, of
+which it does not know that they are real, it may take minutes to answer. And the derivative of (−x)ᵖ it writes as
+p (−x)ᵖ/x, which is not a number at x = 0.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ __all__ = ["derivative"]
 
 
 def derivative(u: Expr, symbol: Symbol) -> Expr:
-    """The derivative of u, the same expression as ``u.diff(symbol)``.
+    """The derivative of u: ``u.diff(symbol)``, but with a value wherever the derivative of each power has one.
 
     Parameters
     ----------
@@ -49,5 +50,7 @@ def _slope(u: Expr, parts: list[Expr]) -> Expr:
         return Add(*(Mul(*u.args[:k], part, *u.args[k + 1 :]) for k, part in moving))
     if u.is_Pow:
         base, exponent = u.args
+        if not exponent.free_symbols:
+            return exponent * base ** (exponent - 1) * parts[0]
         return u * Add(*(part * log(base) if k else part * exponent / base for k, part in moving))
     return Add(*(u.fdiff(k + 1) * part for k, part in moving))

@@ -9,6 +9,7 @@ from functools import cached_property
 import sympy
 from sympy import Expr, Symbol
 
+from core.symbolic.derivative import derivative
 from core.symbolic.expressions import TIME
 from core.symbolic.multiplier import DiscreteField, Endpoints
 from core.symbolic.near_zeros import written_near
@@ -119,4 +120,4 @@ class Mode:
 
 def rate_along(field: Sequence[Expr], variables: Sequence[Symbol], u: Expr) -> Expr:
     """Time derivative of u along a field: u_t + ∇u·f."""
-    return sympy.Add(u.diff(TIME), *(u.diff(v) * f for v, f in zip(variables, field, strict=True)))
+    return sympy.Add(derivative(u, TIME), *(derivative(u, v) * f for v, f in zip(variables, field, strict=True)))

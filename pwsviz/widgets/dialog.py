@@ -8,8 +8,11 @@ import panel_material_ui as pmui
 
 __all__ = ["KEEP_FOCUS", "dialog"]
 
-LOOK = {"& [aria-label=close]": {"color": "var(--mui-palette-text-secondary) !important"}}
-"""The button to close it is otherwise dark on dark."""
+LOOK = {
+    "& [aria-label=close]": {"color": "var(--mui-palette-text-secondary) !important"},
+    "& .MuiDialog-paper": {"width": "100%"},
+}
+"""The button to close it is otherwise dark on dark, and a window whose contents are yet to come narrow."""
 
 RETURN_FOCUS = """
 let focused = document.activeElement

@@ -20,6 +20,14 @@ def test_a_derivative_is_the_expression_that_sympy_writes(text):
         assert derivative(u, sympy.Symbol(name)) == u.diff(sympy.Symbol(name))
 
 
+@pytest.mark.parametrize("text", ["(-x)**1.51", "(-2*x)**(7/4)", "y*(-x)**2.5"])
+def test_a_derivative_has_a_value_where_that_of_the_power_has_one(text):
+    u, x = parse(text, NAMES), sympy.Symbol("x")
+    assert derivative(u, x).subs(x, 0) == 0
+    assert u.diff(x).subs(x, 0) is sympy.nan
+    assert derivative(u, x).subs(x, -2) == pytest.approx(u.diff(x).subs(x, -2))
+
+
 def test_a_stage_in_the_field_of_a_nested_tanh_is_differentiated_at_once():
     begun = time.process_time()
     x, y = (f"({v} + (c + h*({a}/4 + {b}*(1/4 - 0.28867513))))" for v, a, b in (("x", "a", "b"), ("y", "c", "d")))
