@@ -86,16 +86,16 @@ def test_a_click_on_the_map_goes_there(visit):
     assert becomes(page, lambda: float(field(page, "Step size τ").input_value()) < 0.005)
 
 
-LIMITS = f"""() => {{
-    const figure = ({FIGURE})("Outcome of runs")
-    const limits = figure?.rows.find(row => "low" in row && "high" in row && "dash" in row)
-    if (!(limits?.x.length > 0)) {{ return null }}
-    const legend = [...Bokeh.index.query(view => view.model.type == "Legend")].flatMap(({{entries}}) => entries)
+LIMITS = """() => {
+    const is_diamond = ({glyph, data_source}) => glyph?.marker?.value == "diamond" && data_source.data.x.length > 0
+    const marked = Bokeh.index.query_one(({model}) => is_diamond(model))
+    if (marked == null) { return null }
+    const legend = [...Bokeh.index.query(view => view.model.type == "Legend")].flatMap(({entries}) => entries)
     return legend.map(entry => entry.label)
-}}"""
+}"""
 
 
-def test_the_legend_of_the_map_has_a_line_for_the_largest_successful_step_size(visit):
+def test_the_legend_of_the_map_has_a_mark_for_the_largest_successful_step_size(visit):
     page = visit(query="v=2&view=stability&methods=dmm2,rk2&t_end=5")
     await_that(page, LIMITS, lambda seen: "largest successful τ" in seen)
     assert page.evaluate(BLANK_KEYS) == []
