@@ -46,7 +46,7 @@ const width_of = (words, size) => {
 
 // The spaces of a text but those in formulas, after a comma in brackets, and after an article and words with a number: t = 20,
 // (1, 2), x² + y², ‖x − x*‖ and “order 2” stay on one line.
-const BETWEEN_WORDS = /(?<![=<>≤≥≈×+−·Σᵢ])(?<!\b(?:order|region))(?<!(?<![^ (“])[Aa])(?<!\([^()]{0,60},)(?<!\([^() ]+)(?<!‖[^‖ ]+) (?![=<>≤≥≈]|[+−×·] )/
+const BETWEEN_WORDS = /(?<![=<>≤≥≈×+−·Σᵢ])(?<!\b(?:order|region))(?<!(?<![^ (“])[Aa])(?<!\((?:[^() ]+, )*[^() ]+,) (?![=<>≤≥≈]|[+−×·] )/
 
 // The spaces at which a formula that is wider than a line breaks: after a sign between terms.
 const BETWEEN_TERMS = /(?<= [+−]) /
