@@ -48,6 +48,38 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol], domain: 
     domain = replace(domain, defined=(u, v))
     if not is_zero(u.diff(x) + v.diff(y), domain):
         return None
+    origin = {w: _origin(field, w, variables) for w in variables}
+    about = [f.xreplace({w: w + c for w, c in origin.items()}) for f in field]
+    sought = _potential(about[0], about[1], x, y)
+    if sought is None:
+        return None
+    psi = _real_throughout(sought.xreplace({w: w - c for w, c in origin.items()}), domain)
+    if psi is None or not psi.free_symbols:
+        return None
+    return psi if is_zero(psi.diff(y) - u, domain) and is_zero(psi.diff(x) + v, domain) else None
+
+
+def _origin(field: Sequence[Expr], variable: Symbol, variables: Sequence[Symbol]) -> Expr:
+    """The value of a variable about which the field is written most simply, such as c of −(x − c)³; 0 if at none.
+
+    Multiplied out about another one, its powers cancel: at x = 10⁴ those of a cubic law leave no digit of ψ.
+    """
+    offsets = {sympy.Integer(0)}
+    for node in (node for f in field for node in f.atoms(sympy.Add)):
+        rest, slope = node.as_independent(variable, as_Add=True)
+        factor, alone = slope.as_coeff_Mul()
+        if alone == variable and not rest.has(*variables):
+            offsets.add(-rest / factor)
+
+    def length(offset: Expr) -> tuple[float, str]:
+        moved = [f.xreplace({variable: variable + offset}) for f in field]
+        return sum(float(sympy.count_ops(f)) for f in moved), str(offset)  # the same one each time
+
+    return min(offsets, key=length)
+
+
+def _potential(u: Expr, v: Expr, x: Symbol, y: Symbol) -> Expr | None:
+    """ψ with (u, v) = (∂ψ/∂y, −∂ψ/∂x), if it is found."""
     part = _integral(u, y)
     if part is None:
         return None
@@ -55,12 +87,7 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol], domain: 
     if rest.has(y):
         rest = simplify(rest) if sympy.count_ops(rest) <= _MAX_OPERATIONS else rest
     other = None if rest.has(y) else _integral(rest, x)
-    if other is None:
-        return None
-    psi = _real_throughout(part + other, domain)
-    if psi is None or not psi.free_symbols:
-        return None
-    return psi if is_zero(psi.diff(y) - u, domain) and is_zero(psi.diff(x) + v, domain) else None
+    return None if other is None else part + other
 
 
 def _real_throughout(psi: Expr, domain: Domain) -> Expr | None:

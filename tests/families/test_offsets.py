@@ -1,0 +1,55 @@
+"""A law written about a point far from the origin is integrated as about the origin, where its own ψ is found, too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import core
+
+END = 5.0
+
+
+def force(rng: np.random.Generator) -> list[float]:
+    """Coefficients of a force −a u − b u² − c u³ that does not let go: those of u, u² and u³."""
+    a, c = round(rng.uniform(0.5, 3.0), 3), round(rng.uniform(0.1, 1.0), 3)
+    return [-a, round(rng.uniform(-0.3, 0.3), 3), -c]
+
+
+def motion(forces: list[list[float]], edge: float, start: tuple[float, float]) -> tuple[int, np.ndarray]:
+    """How often u'' = F(u) crosses u = edge up to the end, where F is the first or second law there, and the end."""
+    t, state, crossings = 0.0, np.array(start), 0
+    side = int(state[0] > edge)
+    while True:
+
+        def beside(_t: float, z: np.ndarray) -> float:
+            return float(z[0] - edge)
+
+        beside.terminal, beside.direction = True, (1, -1)[side]  # type: ignore[attr-defined]
+        law = forces[side]
+        found = solve_ivp(
+            lambda _t, z, law=law: (z[1], law[0] * z[0] + law[1] * z[0] ** 2 + law[2] * z[0] ** 3), (t, END), state,
+            "DOP853", events=beside, rtol=1e-13, atol=1e-13, max_step=0.1,
+        )  # fmt: skip
+        t, state = float(found.t[-1]), found.y[:, -1]
+        if found.status == 0:
+            return crossings, state
+        side, crossings = 1 - side, crossings + 1
+
+
+@pytest.mark.parametrize("method", ["taylor", "prk8", "dmm4", "dmm8", "rk8"])
+def test_where_a_law_is_written_about_makes_no_difference_but_by_the_rounding_of_the_state(draws, method):
+    for rng in draws(8):
+        forces, edge = [force(rng), force(rng)], round(rng.uniform(-0.4, 0.4), 3)
+        start, offset = (round(rng.uniform(0.5, 1.0), 3), round(rng.uniform(-1, 1), 3)), round(10 ** rng.uniform(1, 5))
+        u = f"(x - {offset})"
+        laws = [("y", f"{a}*{u} + ({b})*{u}**2 + ({c})*{u}**3") for a, b, c in forces]
+        system = core.PiecewiseSystem("Far", ("x", "y"), *laws, f"{u} - ({edge})", x0=(offset + start[0], start[1]))
+        run = core.integrate(system, (0.0, END), method=method, tau=0.005)
+        crossings, end = motion(forces, edge, (system.x0[0] - offset, start[1]))
+        said = f"{laws}, edge {edge}, start {start}, offset {offset}: {run.message}"
+        assert run.status is core.Status.COMPLETED, said
+        assert run.crossing_count == crossings, said
+        error = np.abs(run.x[-1] - (offset, 0.0) - end).max()
+        assert error <= (1e-7 if method == "dmm4" else 1e-10) + 1e-14 * offset, f"{said}: {error}"
