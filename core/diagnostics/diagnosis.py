@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.diagnostics.amplification import amplified
+from core.diagnostics.cancellation import cancelled
 from core.diagnostics.constants import (
     discrete_constants,
     rates,
@@ -131,7 +132,8 @@ def diagnose(run: Trajectory) -> Diagnosis:
 def step_warning(run: Trajectory) -> str:
     """Warning about the step size, in a sentence; '' where there is none.
 
-    The first of `unresolved`: steps too long for g or for the field; else that of `undecided_corners`, of
+    The first of `cancelled`: the terms of a law cancel; else of `unresolved`: steps too long for g or for the field;
+    else that of `undecided_corners`, of
     `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, or of `Diagnosis.warnings` from the
     first 256 crossings.
     """
@@ -139,7 +141,7 @@ def step_warning(run: Trajectory) -> str:
         return ""
     judged = run.crossings.first(min(_FIRST, _judged(run)))
     doubts = (undecided_corners(run), slid_into_corners(run), near_touches(run), slow_crossings(run, judged))
-    warnings = unresolved(run) or tuple(islice(chain(*doubts, amplified(run)), 1))
+    warnings = tuple(cancelled(run)) or unresolved(run) or tuple(islice(chain(*doubts, amplified(run)), 1))
     if not warnings:
         warnings = _diagnosis(run, judged).warnings
     return f"{warnings[0]}." if warnings else ""

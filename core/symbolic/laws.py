@@ -283,7 +283,7 @@ class Laws:
         t
             (...) times, broadcast against the states.
         x
-            (..., d) states.
+            (..., d) states; of `numpy.longdouble` for values in extended precision.
 
         Returns
         -------
@@ -293,11 +293,12 @@ class Laws:
             names = {s: Symbol(f"u{k}") for k, s in enumerate((TIME, *self.x, *self.p))}
             products = [_powers_as_products()(_with_floats(e).xreplace(names)) for e in expressions]
             self._functions[key] = sympy.lambdify(list(names.values()), products, [_OF_ARRAYS, "numpy"])
-        states = np.asarray(x, dtype=float)
+        precision = np.result_type(float, np.asarray(x))
+        states = np.asarray(x, dtype=precision)
         shape = np.broadcast_shapes(np.shape(t), states.shape[:-1])
-        result = np.empty((*shape, len(expressions)))
+        result = np.empty((*shape, len(expressions)), dtype=precision)
         with np.errstate(all="ignore"):
-            columns = self._functions[key](np.asarray(t, dtype=float), *coordinates(states), *p)
+            columns = self._functions[key](np.asarray(t, dtype=precision), *coordinates(states), *p)
             for k, column in enumerate(columns):
                 result[..., k] = column
         return result

@@ -1,9 +1,13 @@
-"""A law written about a point far from the origin is integrated as about the origin, where its own ψ is found, too."""
+"""A law written about a point far from the origin is integrated as about the origin; of one multiplied out it is said.
+
+Its ψ is found about that point, too.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy
 from scipy.integrate import solve_ivp
 
 import core
@@ -53,3 +57,27 @@ def test_where_a_law_is_written_about_makes_no_difference_but_by_the_rounding_of
         assert run.crossing_count == crossings, said
         error = np.abs(run.x[-1] - (offset, 0.0) - end).max()
         assert error <= (1e-7 if method == "dmm4" else 1e-10) + 1e-14 * offset, f"{said}: {error}"
+
+
+@pytest.mark.parametrize("method", ["taylor", "rk4", "rk8"])
+@pytest.mark.parametrize("of_psi", [False, True])
+def test_a_law_or_a_quantity_whose_terms_cancel_is_wrong_by_no_more_than_is_said(draws, method, of_psi):
+    x = sympy.Symbol("x")
+    method = {"rk4": "dmm4", "rk8": "prk8"}.get(method, method) if of_psi else method
+    for rng in draws(8):
+        a, b, c = (sympy.Rational(str(one)) for one in force(rng))
+        offset, start = round(10 ** rng.uniform(0, 5)), (round(rng.uniform(0.5, 1.0), 3), round(rng.uniform(-1, 1), 3))
+        u = x - offset
+        exact, energy = a * u + b * u**2 + c * u**3, -a * u**2 / 2 - b * u**3 / 3 - c * u**4 / 4
+        law = ("y", str(exact if of_psi else sympy.expand(exact)))
+        psi = (f"y**2/2 + {sympy.expand(energy)}",) if of_psi else ()
+        state = (offset + start[0], start[1])
+        system = core.PiecewiseSystem("Far", ("x", "y"), law, law, "x + 10", psi_minus=psi, psi_plus=psi, x0=state)
+        run = core.integrate(system, (0.0, END), method=method, tau=0.005)
+        coefficients = [float(one) for one in (a, b, c)]
+        _, end = motion([coefficients, coefficients], -1e3, (state[0] - offset, start[1]))
+        failed = run.status is not core.Status.COMPLETED
+        wrong = offset > 3000 if failed else np.abs(run.x[-1] - (offset, 0.0) - end).max() > 1e-6
+        said = f"{law}, {psi}, start {state}: {run.message}"
+        assert "cancel" in run.warning if wrong else True, said
+        assert "cancel" not in run.warning if offset < 30 else True, said
