@@ -32,6 +32,8 @@ _SAID: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"\btau_-\^\*", "τ₋*"),
     (r"\btau_\+\^\*", "τ₊*"),
     (r"\btau\b", "τ"),
+    (r"\bpsi\b", "ψ"),
+    (r"\(x - a\)\*\*3", "(x − a)³"),
     (r"(?<=[\w)])\*\*(?=[\w(])", "^"),
 )
 
@@ -49,5 +51,5 @@ def on_page(message: str, variables: Iterable[str] = ()) -> str:
     for pattern, words in _SAID:
         message = re.sub(pattern, words, message)
     for name in variables:
-        message = re.sub(rf"\b{re.escape(name)}(?= = )", variable_name(name), message)
+        message = re.sub(rf"\b{re.escape(name)}(?= = |' )", variable_name(name), message)
     return message

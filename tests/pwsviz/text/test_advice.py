@@ -61,3 +61,9 @@ def test_a_message_about_a_state_names_the_variables_by_their_symbols():
     assert (
         on_page("t = 6, phi = 1, y1 = 2, v = 3: the end", ("phi", "y1", "v")) == "t = 6, φ = 1, y₁ = 2, v = 3: the end"
     )
+
+
+def test_terms_that_cancel_are_named_by_their_symbols():
+    said = "The terms of omega' cancel, … write psi so that its terms do not cancel, such as (x - a)**3 in place of …"
+    told = "The terms of ω' cancel, … write ψ so that its terms do not cancel, such as (x − a)³ in place of …"
+    assert on_page(said, ["omega"]) == told
