@@ -14,7 +14,9 @@ WINDOW = Window(-2.0, 2.0, -2.0, 2.0)
 
 
 def test_the_rest_of_the_plane_is_named_by_what_it_lacks():
-    assert bare_name(WALL, {0}) == "no law"
+    assert bare_name(WALL, {0}) == "beyond the wall", "no law is declared there, and no run arrives"
+    assert bare_name(core.CATALOGUE["two_walls"], {0}) == "beyond the wall"
+    assert bare_name(core.CATALOGUE["diode_bridge"], {0, 1, 2}) == "no law"
     assert bare_name(BALL, {1}) == "beyond the wall"
     assert bare_name(BALL, {0, 1}) == ""
     assert bare_name(OWN_SYSTEMS["Relay"], {0, 1}) == "", "regions with names leave no rest"
