@@ -10,7 +10,7 @@ from pwsviz.geometry.section_crossings import has_reset
 from pwsviz.scene.presets import PRESETS
 from pwsviz.text.words import listed
 
-__all__ = ["prospects", "reset_words"]
+__all__ = ["examples_of", "prospects", "reset_words"]
 
 
 def reset_words(system: core.PiecewiseSystem, of: str) -> str:
@@ -31,10 +31,13 @@ def prospects(system: core.PiecewiseSystem, view: str) -> str:
             "The points depend on the initial value of the conserved quantity; other starts may give a different "
             "section."
         )
-    if words:
-        others = [f"“{one.title}”" for one in PRESETS.values() if one.settings["view"] == view]
-        words.append(f"More is to be seen in the examples {listed(others)}.")
-    return " ".join(words)
+    return " ".join([*words, examples_of(view)] if words else words)
+
+
+def examples_of(view: str) -> str:
+    """Return which examples show more in a view."""
+    others = [f"“{one.title}”" for one in PRESETS.values() if one.settings["view"] == view]
+    return f"More is to be seen in the examples {listed(others)}."
 
 
 def _is_flow_in_the_plane(system: core.PiecewiseSystem) -> bool:

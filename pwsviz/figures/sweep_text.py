@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core import Status
 from pwsviz.figures.colours import GREY
-from pwsviz.figures.section_prospects import prospects, reset_words
+from pwsviz.figures.section_prospects import examples_of, prospects, reset_words
 from pwsviz.figures.stability_outcomes import OUTCOMES, Outcome
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_crossings import is_one_way, may_slide
@@ -113,6 +113,7 @@ def sweep_text(found: Diagram, present: float) -> str:
     elif done:
         words += f" {found_all} none of them."
     hope = prospects(declared, "sweep") if found.counts.any() or not done else ""
+    hope = hope or examples_of("sweep") * (2 * whole < done)
     said = (_at_present(found, present), words, _nothing_left(found), _refusal(found), hope)
     return " ".join(filter(None, said))
 
