@@ -189,7 +189,7 @@ def timed_how(study: core.WorkPrecision) -> str:
     slow = [c.title for c in study.curves if c.peer and not EXTERNAL_SOLVERS[c.name].compiled]
     times = f"the shortest of {study.repeats} runs" if study.repeats > 1 else "one run"
     call = f"; {listed(slow)} evaluates the field in Python, whereas the others use compiled code" if slow else ""
-    return f"Run time is the processor time of one thread, excluding compilation ({times}), on {processor()}{call}"
+    return f"Run time is the processor time of one thread, excluding compilation ({times}; {processor()}){call}"
 
 
 def _compiling(study: core.WorkPrecision) -> str:

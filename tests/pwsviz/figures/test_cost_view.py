@@ -210,7 +210,7 @@ def test_times_that_differ_by_no_more_than_noise_are_a_tie_and_counts_are_not():
 
 def test_words_say_what_a_run_time_is_where_it_was_measured_and_whose_field_is_not_compiled():
     how = "processor time of one thread, excluding compilation (the shortest of 3 runs)"
-    measured = f"Run time is the {how}, on {processor()}"
+    measured = f"Run time is the {how[:-1]}; {processor()})"
     slow = "; SciPy DOP853 evaluates the field in Python, whereas the others use compiled code."
     assert f"{measured}{slow}" in cost_text(BOTH, "seconds", "state")
     assert f"{measured}. " in cost_text(study(DMM2, curve("heyoka", [1e-3], [1e-3])), "seconds", "state")
