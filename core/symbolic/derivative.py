@@ -50,7 +50,7 @@ def _slope(u: Expr, parts: list[Expr]) -> Expr:
         return Add(*(Mul(*u.args[:k], part, *u.args[k + 1 :]) for k, part in moving))
     if u.is_Pow:
         base, exponent = u.args
-        if not exponent.free_symbols:
+        if base.is_Mul and not exponent.free_symbols:  # of another base sympy itself combines the powers
             return exponent * base ** (exponent - 1) * parts[0]
         return u * Add(*(part * log(base) if k else part * exponent / base for k, part in moving))
     return Add(*(u.fdiff(k + 1) * part for k, part in moving))
