@@ -21,9 +21,9 @@ SYSTEM = PiecewiseSystem(
         "--": _law("((-v - u)/resistance - u/load)/capacitance"),
     },
     parameters=(
-        Parameter("omega", 1.0, (0.2, 5.0), "frequency of the source", r"\omega"),
-        Parameter("resistance", 0.2, (0.05, 1.0), "resistance of the source", "r"),
-        Parameter("capacitance", 1.0, (0.2, 5.0), "capacitance that smooths the voltage", "C"),
+        Parameter("omega", 1.0, (0.2, 5.0), "angular frequency of the source", r"\omega"),
+        Parameter("resistance", 0.2, (0.05, 1.0), "series resistance of the conducting diodes", "r"),
+        Parameter("capacitance", 1.0, (0.2, 5.0), "smoothing capacitance", "C"),
         Parameter("load", 4.0, (1.0, 20.0), "resistance of the load", "R"),
     ),
     x0=(0.0, 0.3, 1.5),

@@ -1,4 +1,4 @@
-"""A coil and a diode that stores charge: its capacitance depends on the sign of the charge."""
+"""An inductor and a diode that stores charge: its capacitance depends on the sign of the charge."""
 
 from core.system import Parameter, PiecewiseSystem
 
@@ -17,6 +17,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("bias", 0.2, (-1.0, 1.0), "voltage of the battery", "E"),
     ),
     x0=(1.5, 0.0),
-    doc="A coil, a battery and a diode in a loop. A conducting diode (charge q > 0) acts as a large "
+    doc="An inductor, a battery and a diode in a loop. A conducting diode (charge q > 0) acts as a large "
     "capacitor, a blocking one as a small capacitor.",
 )

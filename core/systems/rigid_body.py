@@ -11,8 +11,8 @@ SYSTEM = PiecewiseSystem(
     psi_minus=("y1**2 + y2**2", "m_minus*y1**2 + y3**2"),
     psi_plus=("y1**2 + y2**2", "m_plus*y1**2 + y3**2"),
     parameters=(
-        Parameter("m_minus", 0.51, (0.05, 2.0), "ratio of inertia below the plane"),
-        Parameter("m_plus", 0.9, (0.05, 2.0), "ratio of inertia above the plane"),
+        Parameter("m_minus", 0.51, (0.05, 2.0), "ratio of moments of inertia below the plane"),
+        Parameter("m_plus", 0.9, (0.05, 2.0), "ratio of moments of inertia above the plane"),
         Parameter("plane", 0.6, (-1.2, 1.2), "position of the plane", "c"),
     ),
     x0=(0.0, 1.0, 1.0),

@@ -16,9 +16,9 @@ SYSTEM = PiecewiseSystem(
     parameters=(
         Parameter("band", 1.0, (0.2, 2.0), "half the width of the band between switching on and off", r"\delta"),
         Parameter("power", 4.0, (2.0, 6.0), "power of the heating", "P"),
-        Parameter("cold", 10.0, (5.0, 15.0), "how far it is colder outside than the temperature set", r"\Delta"),
+        Parameter("cold", 10.0, (5.0, 15.0), "set point minus the temperature outside", r"\Delta"),
         Parameter("loss", 0.2, (0.1, 0.3), "loss of heat to the outside", r"\lambda"),
-        Parameter("storage", 0.5, (0.1, 1.5), "heat given to the room, per heat stored in the radiator", r"\sigma"),
+        Parameter("storage", 0.5, (0.1, 1.5), "rate of heat transfer from the radiator to the room", r"\sigma"),
     ),
     x0=(-2.0, 0.0),
     doc="The heating switches on when the room temperature T, measured from the set point, falls to −δ, and off when "

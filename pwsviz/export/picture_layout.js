@@ -128,18 +128,21 @@ const named_levels = (axis, { scale }, width) => {
   }
 }
 
-// The ticker of an axis of numbers, with as many ticks as have room for their labels along a length in pixels.
+// The ticker of an axis of numbers, with as many ticks as have room for their labels along a length in pixels, and two at least.
 const fitted_ticker = ({ ticker, formatter }, range, length, across) => {
   if (ticker?.type != "BasicTicker") return ticker
   const per_unit = length / Math.abs(range.end - range.start)
-  for (let count = ticker.desired_num_ticks; count > 2; count--) {
+  let least = ticker
+  for (let count = ticker.desired_num_ticks; count > 1; count--) {
     const fewer = copied(ticker, { desired_num_ticks: count })
     const ticks = fewer.get_ticks(range.start, range.end, range, NaN).major
+    if (ticks.length < 2) break
+    least = fewer
     const sizes = formatter.doFormat(ticks, { loc: 0 }).map(label => across ? width_of(label, SMALL) : LINE * SMALL)
     const room = k => (ticks[k + 1] - ticks[k]) * per_unit - (sizes[k] + sizes[k + 1]) / 2
-    if (ticks.slice(1).every((_, k) => room(k) >= SPARE)) return fewer
+    if (ticks.slice(1).every((_, k) => room(k) >= (across ? SPARE : 0))) break
   }
-  return copied(ticker, { desired_num_ticks: 2 })
+  return least
 }
 
 // An axis whose title is within the picture, and whose labels are apart.

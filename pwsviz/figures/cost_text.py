@@ -217,13 +217,23 @@ def _missing(study: core.WorkPrecision) -> Iterator[str]:
         yield f"{'; '.join(names)}: {reason}."
 
 
-def _below(study: core.WorkPrecision, up: Up) -> str:
-    """Say which errors are drawn at the lower end of the plot, which they lie below; empty if none is."""
-    places = [
-        (curve, np.flatnonzero((error_of(curve, up) < bottom_of(study, up)) & np.isfinite(curve.seconds)).tolist())
+def lies_below(study: core.WorkPrecision, up: Up) -> bool:
+    """Whether errors are drawn at the lower end of the plot, which they lie below."""
+    return any(found for _, found in _places_below(study, up))
+
+
+def _places_below(study: core.WorkPrecision, up: Up) -> list[tuple[CostCurve, list[int]]]:
+    """Return the curves, each with the numbers of the errors that lie below the plot."""
+    bottom = bottom_of(study, up)
+    return [
+        (curve, np.flatnonzero((error_of(curve, up) < bottom) & np.isfinite(curve.seconds)).tolist())
         for curve in study.curves
     ]
-    told = [f"{curve.title}{_where(curve, found)}" for curve, found in places if found]
+
+
+def _below(study: core.WorkPrecision, up: Up) -> str:
+    """Say which errors are drawn at the lower end of the plot, which they lie below; empty if none is."""
+    told = [f"{curve.title}{_where(curve, found)}" for curve, found in _places_below(study, up) if found]
     return f"Errors of 0 or below the plot’s range, drawn as downward triangles: {'; '.join(told)}." if told else ""
 
 
@@ -231,7 +241,7 @@ def _where(curve: CostCurve, found: list[int]) -> str:
     if len(found) == len(curve.setting):
         return ""
     first = f", {setting_text(curve, found[0])}"
-    return first if len(found) == 1 else f"{first} and {plural(len(found) - 1, 'other setting')}"
+    return first if len(found) == 1 else f"{first} and {plural(len(found) - 1, 'other value')}"
 
 
 def compared_with(study: core.WorkPrecision) -> str:

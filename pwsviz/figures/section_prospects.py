@@ -37,7 +37,7 @@ def prospects(system: core.PiecewiseSystem, view: str) -> str:
 def examples_of(view: str) -> str:
     """Return which examples show more in a view."""
     others = [f"“{one.title}”" for one in PRESETS.values() if one.settings["view"] == view]
-    return f"More is to be seen in the examples {listed(others)}."
+    return f"See also the examples {listed(others)}."
 
 
 def _is_flow_in_the_plane(system: core.PiecewiseSystem) -> bool:

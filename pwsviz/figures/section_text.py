@@ -86,7 +86,7 @@ def _ended(outcome: SectionPoints, reason: str, which: list[int]) -> str:
     if len(which) == 1 and counts[0]:
         last, end = outcome.of_start(which[0]).t[-1], outcome.ends[which[0]]
         if last == end and outcome.statuses[which[0]] in UNCOUNTED:
-            found += ", the last where it ends, which counts neither as a jump nor as a crossing"
+            found += ", the last of them where it ends, which is neither a jump nor a crossing"
         elif last < LATE * end:
             found += f", the last at t = {last:.6g}"
     if not any(counts):

@@ -67,7 +67,7 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
         mark = ""
         if limits is not None:
             last = ", at the largest τ tried," * (not limits.reason[study.methods.index(method)])
-            mark = f", and the diamond{last} refers only to runs from {start}{_until(study, limits)}"
+            mark = f"; the diamond{last} is for {start} and runs{_until(study, limits)}"
         return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}{mark}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps

@@ -203,7 +203,7 @@ def _reach(shown: Sequence[Studied]) -> str:
         return ""
     if all(cut):
         return " and to step sizes below the one at which the local slope changes"
-    return " and, where the local slope changes, to step sizes below that"
+    return " and, where the local slope changes, only to smaller step sizes"
 
 
 def _greatest(taus: Floats, row: Row) -> float:

@@ -138,7 +138,7 @@ def _at_present(found: Diagram, present: float) -> str:
         return f"{at} all points are the same: {points[-1]:.6g}."
     if period:
         both = not inputs.direction and not is_one_way(inputs.problem.declaration, inputs.of)
-        return f"{at} the points repeat after {period}{both * ', of crossings in both directions'}."
+        return f"{at} the points have period {period}{both * ', of crossings in both directions'}."
     if period := approached(points, turn):
         return f"{at} the points still approach {'a limit' if period == 1 else f'a cycle of {period}'}."
     least = min(LONGEST_PERIOD, len(points) // 2)
@@ -194,7 +194,7 @@ def sweep_how(inputs: SweepInputs) -> str:
         shown = f"the first {inputs.discard:,} points of each run are discarded, and at most the next {inputs.points:,}"
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
     return printed(
-        f"values of {coordinate_name(inputs)} at crossings of "
+        f"values of {coordinate_name(inputs)} where the runs meet "
         f"{surface_words(inputs)}{reset_words(system, inputs.of)}{sliding}, for {inputs.values:,} values of {name} "
         f"from {inputs.low:.15g} to {inputs.high:.15g}: {shown} "
         f"(t ≤ {inputs.t_end:,.6g}) are plotted; {begins}; integrated by {scheme.method} with {step}; "

@@ -56,10 +56,11 @@ _USE = (
     "trajectories meet a surface? Stability: which step sizes work? Sweep: what does a parameter change? Scheme: what "
     "is computed?",
     "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0, in the colours of their "
-    "starts. A click there starts a trajectory on the surface, with the conserved quantities of the selected one.",
+    "starts or, of several surfaces, of these. A click there starts a trajectory on the surface, with the conserved "
+    "quantities of the selected one.",
     "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "
     "once a transient is over. Click in it to set the parameter. Under “more”: which surface, how many points, and "
-    "whether each run continues that of the value before.",
+    "whether each run starts where that of the value before ended.",
     "Where both fields point towards the surface, the solution slides along it (Filippov), as a block sticks under dry "
     "friction; the run follows it, or stops there if “Slide along the surface” is not ticked. A thick green line shows "
     "where, a dashed one where the surface repels.",

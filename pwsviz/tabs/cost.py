@@ -12,7 +12,7 @@ import core
 from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
 from pwsviz.figures.cost import MEANING, CostView, compared_with, cost_numbers, cost_rows, cost_text, timed_how
-from pwsviz.figures.cost_text import missing_text, settings_text, shows_round_off
+from pwsviz.figures.cost_text import lies_below, missing_text, settings_text, shows_round_off
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS, met_at_surfaces
 from pwsviz.tabs.base import LongTab, about_crossings
@@ -102,8 +102,11 @@ class CostTab(LongTab):
         """Return what the errors, the line and open symbols are, for captions."""
         wrong = any((~curve.correct_sequence & np.isfinite(curve.seconds)).any() for curve in outcome.curves)
         hollow = " Open symbols: runs whose sequence of crossings differs from that of the reference." * wrong
+        below = " Downward triangles: errors of 0, or below the plotted range." * lies_below(
+            outcome, self.scene.cost_up
+        )
         level = f" {ROUND_OFF[self.scene.cost_up]}" * shows_round_off(outcome, self.scene.cost_up)
-        return f"{MEANING[self.scene.cost_up]}{level}{hollow}"
+        return f"{MEANING[self.scene.cost_up]}{level}{below}{hollow}"
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""

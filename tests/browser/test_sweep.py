@@ -40,7 +40,7 @@ def test_a_click_sets_the_parameter_and_the_portrait_follows(visit, look):
     low, high, *_ = seen["range"]
     page.mouse.click(left + width * (8.3 - low) / (high - low), top + 0.5 * height)
     page.wait_for_function("() => /alpha=8\\.(29|30|31|3)/.test(location.href)")
-    page.get_by_text("the points repeat after 2").locator("visible=true").first.wait_for()
+    page.get_by_text("the points have period 2").locator("visible=true").first.wait_for()
     assert settled_picture(page, canvas(page, "Phase portrait")) != portrait
 
 

@@ -128,7 +128,7 @@ def test_errors_of_zero_and_below_the_plot_are_marked_on_its_lower_end_and_told_
     assert view.below.data["error"] == ["1.0×10⁻²⁰", "0"]
     assert view.corners.data["y"][0] < bottom < level
     assert view.levels.names.args["names"][1] == BELOW_RANGE
-    told = "Errors of 0 or below the plot’s range, drawn as downward triangles: prk8, τ = 0.0316 and 1 other setting."
+    told = "Errors of 0 or below the plot’s range, drawn as downward triangles: prk8, τ = 0.0316 and 1 other value."
     assert told in cost_text(study(faint), "seconds", "state")
     view.show(BOTH, "seconds", "state")
     assert view.levels.ticker.ticks[1] < 1e-99
@@ -246,7 +246,7 @@ def test_words_say_what_is_missing_and_why():
     off = curve("rk2", [1e-3], [1.0], status=("7 crossings instead of 8",), correct_sequence=np.array([False]))
     rest = curve("dmm4", [math.nan] * 2, [math.nan] * 2, status=(WAITING, CANCELLED))
     words = cost_text(study(late, gone, off, rest), "seconds", "state")
-    assert "rk4, τ = 0.0316 and 1 other setting: takes too long." in words
+    assert "rk4, τ = 0.0316 and 1 other value: takes too long." in words
     assert "heyoka: heyoka is not installed." in words
     assert "rk2: the sequence of crossings differs from that of the solution, 8 crossings (open sy" in words
     assert "1 setting not measured yet." in words

@@ -161,7 +161,7 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
 @pytest.mark.parametrize(("status", "counts"), [(Status.ZENO, True), (Status.SLIDING, False), (Status.GRAZING, False)])
 def test_a_last_point_at_the_end_is_said_not_to_count_where_the_run_does_not_count_it(status, counts):
     ended = points(portion(0, [1.0, 7.5]), statuses=(status, Status.CROSSING_LIMIT))
-    assert ("counts neither as a jump nor as a crossing" in section_text(ended)) is not counts
+    assert ("is neither a jump nor a crossing" in section_text(ended)) is not counts
 
 
 def test_a_table_has_a_row_for_each_point_start_by_start():

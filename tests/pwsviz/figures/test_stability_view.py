@@ -422,7 +422,7 @@ def test_captions_name_the_runs_of_a_part_and_when_these_end(study):
     )
     assert runs_drawn(study, "map", "rk2").startswith("each cell is a run of rk2 to t = ")
     start = f"{study.coordinate_name} = {study.x0[study.coordinate]:.6g}".replace("-", "−")
-    assert f", and the diamond refers only to runs from {start} to t = " in runs_drawn(study, "map", "rk2")
+    assert f"; the diamond is for {start} and runs to t = " in runs_drawn(study, "map", "rk2")
     limits = replace(study.largest_tau, beyond=np.array([np.nan, np.nan]))
     none = runs_drawn(replace(study, largest_tau=limits), "map", "rk2")
     assert "diamond" not in none, "all step sizes work: there is no limit to draw"

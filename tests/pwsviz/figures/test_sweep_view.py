@@ -86,7 +86,7 @@ def test_a_click_chooses_a_value():
 
 def test_words_and_table_say_how_many_values_end_how_and_where():
     words = sweep_text(MIXED, -2.9)
-    repeat = "the points repeat after 2, of crossings in both directions."
+    repeat = "the points have period 2, of crossings in both directions."
     assert words.startswith(f"At a₋ = -3, nearest to the chosen value, {repeat}")
     assert "10 points: x on S for 6 values of a₋ from -3 to 3. The 4 points requested were found for 2" in words
     rows = {row[0]: row[1:] for row in sweep_numbers(MIXED).rows}
@@ -151,13 +151,13 @@ def test_how_names_all_that_repeats_the_diagram():
     assert surface_words(inputs) == "the surface x − 1 = 0 at which the function decreases"
     how = sweep_how(inputs)
     for words in (
-        "y at crossings", "400 values of a₋ from −8 to 4",
+        "y where the runs meet the surface", "400 values of a₋ from −8 to 4",
         "the first 100 points of each run are discarded, and at most the next 100 (t ≤ 2,000) are plotted",
         "next smaller value", "taylor with tolerance 10⁻¹²", "Filippov",
     ):  # fmt: skip
         assert words in how, words
     told = sweep_how(SweepInputs.of_scene(Scene(system="stick_slip", methods=["rk4"])))
-    assert "at crossings of S, and where sliding begins on it, for" in told
+    assert "where the runs meet S, and where sliding begins on it, for" in told
     assert "at most the next 100 (t ≤ 2,000)" in told
     chua = {"system": "chua", "methods": ["taylor"]}
     assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "the surfaces gᵢ = 0 at which gᵢ increases"
@@ -183,7 +183,7 @@ def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
 
 def test_points_are_said_to_be_states_after_the_reset_map_where_one_acts():
     ball = {"system": "vibrating_table", "methods": ["taylor"]}
-    assert "values of φ mod 2π at crossings of S, just after the reset map, for" in sweep_how(
+    assert "values of φ mod 2π where the runs meet S, just after the reset map, for" in sweep_how(
         SweepInputs.of_scene(Scene(**ball))
     )
     other = SweepInputs.of_scene(Scene(**ball, sweep_of="v"))

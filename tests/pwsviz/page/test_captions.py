@@ -61,7 +61,7 @@ def test_successful_step_sizes_are_explained_where_they_are_drawn(explorer):
     assert "is successful if" not in without
     _, drawn = told_of(explorer, system="elliptic_curve", view="stability", methods=["dmm2"])
     assert "ends as it does and, for a conservative integrator, |Δψ| is at most" in drawn
-    assert drawn.count("the diamond refers only to") == 1
+    assert drawn.count("The diamond is for ") == 1
     assert "refers only to runs from the chosen start" not in drawn, "that is told by the first sentence"
 
 
