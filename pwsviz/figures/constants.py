@@ -112,10 +112,16 @@ def _at(tau: float, method: str) -> str:
 def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, judged: bool) -> list[str]:
     value = constant.worst(diagnosis)
     number = f'<span class="number">{_shown(value, constant.bounds_tau)}</span>'
-    if constant.bounds_tau and 0.0 < value < diagnosis.tau and judged:
+    if constant.bounds_tau and judged and _is_exceeded(value, diagnosis):
         number = f'<span class="number exceeded">{_shown(value, True)} &lt; τ</span>'
     symbol = "".join(map(name_markup, constant.symbol.split()))
     return [f"<math>{symbol}</math>", number, prose(constant.meaning), escape(constant.label)]
+
+
+def _is_exceeded(value: float, diagnosis: core.Diagnosis) -> bool:
+    """Whether τ exceeds a bound; one of 0 tells that there is none, unless the discrete transversality fails."""
+    fails = bool((diagnosis.alpha_hat2 <= 0.0).any())
+    return value < diagnosis.tau and (value > 0.0 or fails)
 
 
 def _verdict(diagnosis: core.Diagnosis, run: core.Trajectory, across: NDArray[np.bool_]) -> str:

@@ -117,3 +117,14 @@ def test_a_verdict_by_constants_of_another_step_says_that_they_are_estimates() -
 def test_it_is_said_of_which_step_the_constants_are(method: str, stands_in: str) -> None:
     run, diagnosis = diagnosed(0.01, method)
     assert (stands_in in constants_markup(method, diagnosis, run).rpartition("</table>")[2]) is True
+
+
+def test_a_root_at_the_surface_leaves_no_window_and_exceeds_none():
+    law = ("1 + sqrt(-x)/2",), ("1 + sqrt(x)/2",)
+    run = core.integrate(
+        core.PiecewiseSystem("Root", ("x",), *law, "x", x0=(-1.0,)), (0.0, 2.0), method="rk4", tau=0.01
+    )
+    shown = constants_markup("rk4", core.diagnose(run), run)
+    assert "τ satisfies all bounds that exist. The second derivative of g is not bounded at a crossing." in shown
+    assert "exceeded" not in shown
+    assert run.warning == ""
