@@ -117,7 +117,7 @@ def tinted(page, place):
 
 
 def test_of_moving_surfaces_the_tint_leaves_out_a_region_that_is_not_declared(visit):
-    law = core.Region(("1", "0.1"))
+    law = core.Region(("1", "0.4"))
     gate = core.PiecewiseSystem(
         "Gate", ("x", "y"), surfaces=("x - sin(t)", "y"), regions={"-+": law, "++": law, "--": law}, x0=(-3.0, 0.5)
     )

@@ -19,7 +19,7 @@ LABELS = f"""() => {{
     return {{places: Object.fromEntries(row.text.map((text, k) => [text, [row.x[k], row.y[k]]])), range: figure.range}}
 }}"""
 
-LAW = core.Region(("1", "0.1"))
+LAW = core.Region(("1", "0.4"))
 GATE = core.PiecewiseSystem(
     "Gate", ("x", "y"), surfaces=("x - sin(t)", "x + y"), regions={"-+": LAW, "++": LAW, "--": LAW}, x0=(-3.0, 0.5)
 )
@@ -110,7 +110,7 @@ def test_labels_have_room_on_a_phone(visit):
     page = visit(420, 800, query="system=two_walls")
     await_painted(page, "Phase portrait")
     boxes = await_that(page, BOXES.replace("FRAME", FRAME_WIDTH))
-    assert [box["text"] for box in boxes].count("no law") == 2
+    assert [box["text"] for box in boxes].count("beyond the wall") == 2
     assert_room(boxes, page.evaluate(f"() => {FRAME_WIDTH}"))
 
 

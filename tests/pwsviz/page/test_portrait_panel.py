@@ -275,6 +275,6 @@ def test_a_run_at_the_limit_of_crossings_is_drawn_and_says_so(explorer):
     fields = ("(i - v/R)/C", "(E - v)/L"), ("(i - v/R)/C", "-v/L")
     explorer.scene.use(core.PiecewiseSystem("Buck", ("v", "i"), *fields, "v - V", **law))
     explorer.scene.accept_times(0.01, 20.0)
-    assert explorer.settle(120)
+    assert explorer.settle(240)
     assert "the limit of crossings is reached" in explorer.portrait_panel.status.object
     assert explorer.portrait_panel.portrait.ends.data["label"] == ["end: crossing limit"]
