@@ -1,13 +1,15 @@
-"""Warn where the terms of a field, or of a conserved quantity, cancel: what is left of their digits is rounding.
+"""Warn where the terms of a field, of a reset map or of a ψ cancel: what is left of their digits is rounding.
 
 Their values in double precision are held against those in extended precision. Where NumPy has none, nothing is said.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from sympy import Expr, Integer
 
 from core.diagnostics.encounters import by_number
@@ -18,28 +20,29 @@ from core.symbolic.derivative import derivative
 
 __all__ = ["cancelled"]
 
-#: Error of a variable, or of a gradient of ψ, relative to its size, that is told: half the digits are lost.
+Precision = type[np.floating[Any]]
+
+#: Error of a variable, relative to its range, or of a gradient of ψ, to its size, that is told: half the digits.
 _HALF = 2.0**-26
+#: Least range of a variable, relative to its size: one that hardly moves is told to fewer digits of its range.
+_MOVES = 2.0**-10
 #: Number of states at which values are compared.
 _STATES = 64
 _ADVICE = "No step size helps: write {} so that its terms do not cancel, such as (x - a)**3 in place of powers of x"
 
 
 def cancelled(run: Trajectory) -> Iterator[str]:
-    """Say which rate of change, or of which ψ the gradient, is told to few digits only, as its terms cancel.
+    """Say which rate of change, which reset, or of which ψ the gradient, is told to few digits only.
 
     Yields
     ------
     str
         A sentence without the last full stop.
     """
-    lost, noise = _of_rates(run)
-    if lost.max(initial=0.0) > _HALF:
-        worst = int(np.argmax(lost))
-        yield (
-            f"The terms of {run.system.variables[worst]}' cancel, and their rounding changes it by {noise[worst]:.1g}. "
-            f"{_ADVICE.format('the field')}"
-        )
+    extent = np.fmax(np.ptp(run.x, axis=0), _MOVES * np.abs(run.x).max(axis=0))
+    resets = _rounding_of_resets(run)
+    yield from _told(run, "' cancel", "the field", *_by_rates(run, extent), extent)
+    yield from _told(run, " after a reset cancel", "the reset map", resets, resets, extent)
     if METHODS[run.method].conservative and run.system.laws.most_conserved:
         part = _of_gradients(run)
         if part > _HALF:
@@ -49,22 +52,49 @@ def cancelled(run: Trajectory) -> Iterator[str]:
             )
 
 
-def _of_rates(run: Trajectory) -> tuple[Floats, Floats]:
-    """(d,) relative errors of the variables by the rounding of their rates, and that rounding.
+def _told(run: Trajectory, what: str, where: str, moved: Floats, noise: Floats, extent: Floats) -> Iterator[str]:
+    """Tell the variable that rounding moves farthest, relative to its range, if that is half its digits."""
+    with np.errstate(all="ignore"):
+        lost = np.nan_to_num(moved / extent, posinf=0.0)
+    if lost.max() > _HALF:
+        worst = int(np.argmax(lost))
+        yield (
+            f"The terms of {run.system.variables[worst]}{what}, and their rounding changes it by {noise[worst]:.1g}. "
+            f"{_ADVICE.format(where)}"
+        )
 
-    It acts for as long as the run lasts, or as the variable takes to change by its size, or to forget its errors.
+
+def _by_rates(run: Trajectory, extent: Floats) -> tuple[Floats, Floats]:
+    """(d,) how far the rounding of its rate moves each variable, and that rounding.
+
+    It acts for as long as the run lasts, or as the variable takes to pass its range, or to forget its errors.
     """
     laws = run.system.laws
     fields = [law.written.field for law in laws.regions]
-    rates, noise = _and_rounding(run, "field", fields)
+    rates, noise = _along(run, "field", fields)
     with np.errstate(all="ignore"):
-        size, rate = np.fmax.reduce(np.abs(run.x), axis=0), np.fmax.reduce(np.abs(rates), axis=0)
-        lost = noise * np.fmin(np.abs(run.t[-1] - run.t[0]), size / rate) / size
-        if np.nan_to_num(lost, posinf=0.0).max() > _HALF:  # the derivatives may take longer than all else
+        rate = np.fmax.reduce(np.abs(rates), axis=0)
+        moved = noise * np.fmin(np.abs(run.t[-1] - run.t[0]), extent / rate)
+        if np.nan_to_num(moved / extent, posinf=0.0).max() > _HALF:  # the derivatives may take longer than all else
             slopes = [[derivative(f, v) for f, v in zip(field, laws.x, strict=True)] for field in fields]
-            forgets = np.fmax.reduce(-_and_rounding(run, "own slopes of the field", slopes)[0], axis=0, initial=0.0)
-            lost = np.fmin(lost, noise / forgets / size)
-    return np.nan_to_num(lost, posinf=0.0), noise
+            forgets = np.fmax.reduce(-_along(run, "own slopes of the field", slopes)[0], axis=0, initial=0.0)
+            moved = np.fmin(moved, noise / forgets)
+    return moved, noise
+
+
+def _rounding_of_resets(run: Trajectory) -> Floats:
+    """(d,) the rounding of the reset maps at the first jumps at each surface."""
+    laws, met, p = run.system.laws, run.crossings, run.system.parameter_array
+    rounding = np.zeros(len(laws.x))
+    for surface, jump in {(way.surface, way.jump) for ways in laws.ways for way in ways if way.jump is not None}:
+        rows = np.flatnonzero(met.surface_met == surface)[:_STATES]
+
+        def after(precision: Precision, rows: NDArray[np.intp] = rows, jump: Sequence[Expr] = jump) -> Floats:
+            t, x = met.t[rows].astype(precision), met.x[rows].astype(precision)
+            return laws.evaluate(("reset map", jump), jump, t, x, p)
+
+        rounding = np.fmax(rounding, _and_rounding(after)[1])
+    return rounding
 
 
 def _of_gradients(run: Trajectory) -> float:
@@ -72,7 +102,7 @@ def _of_gradients(run: Trajectory) -> float:
     laws, m = run.system.laws, run.system.laws.most_conserved
     gradients = [[derivative(psi, v) for psi in law.written.conserved for v in laws.x] for law in laws.regions]
     missing = [[Integer(0)] * (m * len(laws.x) - len(one)) for one in gradients]
-    values, noise = _and_rounding(run, "gradients", [a + b for a, b in zip(gradients, missing, strict=True)])
+    values, noise = _along(run, "gradients", [a + b for a, b in zip(gradients, missing, strict=True)])
     extent = np.ptp(run.x, axis=0) if len(run.t) > 1 else np.ones(len(laws.x))
     with np.errstate(all="ignore"):
         sizes = (np.abs(values).reshape(-1, m, len(extent)) * extent).sum(axis=2)
@@ -80,7 +110,7 @@ def _of_gradients(run: Trajectory) -> float:
     return float(np.nan_to_num(part, posinf=0.0).max())
 
 
-def _and_rounding(run: Trajectory, key: str, expressions: Sequence[Sequence[Expr]]) -> tuple[Floats, Floats]:
+def _along(run: Trajectory, key: str, expressions: Sequence[Sequence[Expr]]) -> tuple[Floats, Floats]:
     """(n, k) values of the expressions of each region at states of a run, nan where it slides; (k,) their rounding."""
     laws, p = run.system.laws, run.system.parameter_array
     rows = np.unique(np.linspace(0, len(run.t) - 1, _STATES).astype(int))
@@ -89,10 +119,14 @@ def _and_rounding(run: Trajectory, key: str, expressions: Sequence[Sequence[Expr
     def of_one(number: int, t: Floats, x: Floats) -> Floats:
         return laws.evaluate((key, number), expressions[number], t, x, p)
 
-    def at(precision: type[np.floating]) -> Floats:
-        return by_number(region, of_one, run.t[rows].astype(precision), run.x[rows].astype(precision))
+    return _and_rounding(
+        lambda precision: by_number(region, of_one, run.t[rows].astype(precision), run.x[rows].astype(precision))
+    )
 
-    values = at(np.float64)
+
+def _and_rounding(evaluate: Callable[[Precision], Floats]) -> tuple[Floats, Floats]:
+    """(n, k) values in double precision, and (k,) the largest difference from those in extended precision."""
+    values = evaluate(np.float64)
     with np.errstate(all="ignore"):
-        rounding = np.fmax.reduce(np.abs(at(np.longdouble) - values), axis=0, initial=0.0)
+        rounding = np.fmax.reduce(np.abs(evaluate(np.longdouble) - values), axis=0, initial=0.0)
     return values, np.asarray(rounding, dtype=float)

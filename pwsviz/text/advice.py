@@ -51,5 +51,5 @@ def on_page(message: str, variables: Iterable[str] = ()) -> str:
     for pattern, words in _SAID:
         message = re.sub(pattern, words, message)
     for name in variables:
-        message = re.sub(rf"\b{re.escape(name)}(?= = |' )", variable_name(name), message)
+        message = re.sub(rf"\b{re.escape(name)}(?= = |' | after a reset )", variable_name(name), message)
     return message

@@ -81,3 +81,22 @@ def test_a_law_or_a_quantity_whose_terms_cancel_is_wrong_by_no_more_than_is_said
         said = f"{law}, {psi}, start {state}: {run.message}"
         assert "cancel" in run.warning if wrong else True, said
         assert "cancel" not in run.warning if offset < 30 else True, said
+
+
+@pytest.mark.parametrize("method", ["rk8", "dmm2"])
+def test_a_reset_map_whose_terms_cancel_is_wrong_by_no_more_than_is_said(draws, method):
+    """In a frame that moves with speed a, u = v − a: a ball falls by u' = −1, and u ↦ −e u − q u³ where it bounces."""
+    v = sympy.Symbol("v")
+    for rng in draws(8):
+        a, e, q = round(10 ** rng.uniform(0, 6)), round(rng.uniform(0.5, 0.9), 2), round(rng.uniform(0.01, 0.1), 3)
+        after = str(sympy.expand(a - sympy.Rational(str(e)) * (v - a) - sympy.Rational(str(q)) * (v - a) ** 3))
+        law = (f"v - {a}", "-1")
+        system = core.PiecewiseSystem("Ball", ("x", "v"), law, law, "x", jump=("0", after), x0=(1.0, float(a)))
+        run = core.integrate(system, (0.0, END), method=method, tau=0.01)
+        t, u = np.sqrt(2.0), np.sqrt(2.0)
+        while t + 2 * (u := e * u + q * u**3) < END:
+            t += 2 * u
+        error = np.abs(run.x[-1] - (u * (END - t) - (END - t) ** 2 / 2, u - (END - t) + a)).max()
+        said = f"{law}, {after}: {run.message} {error}"
+        assert run.status is not core.Status.COMPLETED or error < 1e-6 or "after a reset cancel" in run.warning, said
+        assert a > 30 or "cancel" not in run.warning, said

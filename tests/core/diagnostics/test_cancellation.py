@@ -32,6 +32,15 @@ def test_a_quantity_whose_gradient_is_rounding_is_told_of_methods_that_use_it():
         assert sum("terms of psi cancel" in said for said in cancelled(run)) == told
 
 
+def test_a_reset_that_is_rounding_is_told():
+    bounce = str(sympy.expand(sympy.sympify("10000 - (v - 10000)/2 - (v - 10000)**3/10")))
+    fall = ("v - 10000", "-1")
+    ball = core.PiecewiseSystem("Ball", ("x", "v"), fall, fall, "x", jump=("0", bounce), x0=(1.0, 10_000.0))
+    (said,) = cancelled(core.integrate(ball, (0.0, 4.0), method="rk4", tau=0.01))
+    assert said.startswith("The terms of v after a reset cancel, and their rounding changes it by ")
+    assert "write the reset map so that" in said
+
+
 @pytest.mark.parametrize("name", core.CATALOGUE)
 def test_no_run_of_the_catalogue_is_warned(name):
     system = core.CATALOGUE[name]
