@@ -13,6 +13,7 @@ import sys
 import tempfile
 import threading
 from concurrent.futures import wait
+from contextlib import suppress
 from functools import lru_cache
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
@@ -38,6 +39,7 @@ __all__ = ["Compiled", "compile_beside", "compile_run", "modes_entered"]
 MAX_MODULES = 200  #: modules kept in memory
 MAX_FILES = 1000  #: modules kept on disk
 MAX_REGISTERED = 50  #: modules kept in `sys.modules`
+_TRIES = 5  #: of importing a module that other processes prune meanwhile
 
 _PATIENCE = 120.0  #: seconds to wait for worker processes; then this process compiles the rest
 
@@ -148,14 +150,25 @@ def _is_compiled(text: str) -> bool:
 
 @lru_cache(maxsize=MAX_MODULES)
 def _load(text: str) -> ModuleType:
-    """Import a module of generated text from the cache folder."""
+    """Import a module of generated text from the cache folder.
+
+    Another process may prune it between our mark that it is in use and the import: it is then written anew.
+    """
+    for _ in range(_TRIES):
+        with suppress(FileNotFoundError):
+            return _import(_written(text))
+    return _import(_written(text))
+
+
+def _written(text: str) -> Path:
+    """The file of a generated text, written unless it is there."""
     path = _path(text)
     if not _touch_if_current(path, text):
         partial = path.with_name(f"{path.name}.{os.getpid()}")
         partial.write_text(text, encoding="utf-8")
         partial.replace(path)
         _prune(path.parent)
-    return _import(path)
+    return path
 
 
 def _import(path: Path) -> ModuleType:

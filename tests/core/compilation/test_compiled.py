@@ -113,6 +113,21 @@ def test_a_cache_that_two_processes_prune_at_once_is_still_pruned(tmp_path, monk
     assert sorted(path.name for path in tmp_path.iterdir()) == ["pws_0.py", "pws_1.py"]
 
 
+def test_a_module_that_another_process_prunes_before_it_is_imported_is_written_anew(tmp_path, monkeypatch):
+    lost = iter([True, True, False])
+
+    def pruned_at_first(path):
+        if next(lost):
+            path.unlink()
+        return imported(path)
+
+    imported = compiled._import
+    monkeypatch.setattr(compiled, "_folder", lambda: tmp_path)
+    monkeypatch.setattr(compiled, "_import", pruned_at_first)
+    assert compiled._load.__wrapped__("answer = 42\n").answer == 42
+    assert next(lost, None) is None
+
+
 def test_a_module_in_use_is_the_last_to_be_pruned(tmp_path):
     path = tmp_path / "pws_a.py"
     assert not compiled._touch_if_current(path, "x = 1")
