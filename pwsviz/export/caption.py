@@ -16,10 +16,13 @@ from pwsviz.text.words import at_surface, listed
 __all__ = ["caption", "short_caption"]
 
 LONGEST = 400
-"""Characters of equations in a caption, about five lines of a page; longer ones are left out."""
+"""Characters of equations in a caption, about five lines of a page; instead of longer ones, what the system is."""
 
 LONGEST_STARTS = 70
 """Characters of the starts in a short caption, about a line and a half; of longer ones the number is told."""
+
+LONGEST_START = 160
+"""Characters of the only start in a short caption, about three lines and a half; a longer one is left out."""
 
 OMITTED = "equations omitted for their length"
 """What a caption says in place of longer equations; those of the surfaces stay."""
@@ -92,7 +95,7 @@ def _of_laws(system: core.PiecewiseSystem) -> Iterator[str]:
     told = equations_of(system)
     short = len(equations(system)) <= LONGEST
     known = f"; they are those of {release()}" * (system.name in {one.name for one in core.CATALOGUE.values()})
-    yield from map(_law, told.laws) if short else [f"{OMITTED}{known}"]
+    yield from map(_law, told.laws) if short else [system.doc, f"{OMITTED}{known}"]
     if len(surfaces := ", ".join(told.surfaces)) <= LONGEST and surfaces:
         signs = f"; a region is named by the signs of {listed([one.partition(' ')[0] for one in told.surfaces])}"
         signs *= system.laws.sides.shape[1] > 0
@@ -123,9 +126,9 @@ def _of_parameters(values: str) -> Iterator[str]:
 
 
 def _short_starts(scene: Scene, told: str, every: bool) -> str:
-    """Return the starts, or of long ones how many there are, or which is shown; nothing of the only one."""
+    """Return the starts, or of long ones how many there are, or which is shown; nothing of a single one."""
     count = len(scene.starts)
-    if len(told) <= LONGEST_STARTS:
+    if len(told) <= (LONGEST_START if count == 1 else LONGEST_STARTS):
         return told
     if count == 1:
         return ""

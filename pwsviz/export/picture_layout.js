@@ -1,11 +1,10 @@
 // A figure laid out anew for a picture of a given width: text keeps its size, and everything is inside.
 
-import { typeset } from "./picture_letters.js"
+import { FONT, typeset, width_of } from "./picture_letters.js"
 import { with_curves_cut } from "./picture_clip.js"
 import { scale_of, with_keys, with_markers } from "./picture_markers.js"
 import { copied, with_names_placed } from "./picture_names.js"
 
-export const FONT = "DejaVu Sans"
 export const TEXT = 17  // pixels of text in the copy, which is then scaled so that they become the points asked for; it is
 // larger than on the page, as marks and lines are finer in print
 export const INK = "#000000", PAPER = "#ffffff"
@@ -36,12 +35,6 @@ const PRINTED = {
   legend: { label_text_color: INK, background_fill_color: PAPER, border_line_color: null },
   bar: { title_text_color: INK, major_label_text_color: INK, background_fill_color: PAPER },
   grid: { grid_line_color: RULE },
-}
-
-const pen = document.createElement("canvas").getContext("2d")
-const width_of = (words, size) => {
-  pen.font = `${size}px "${FONT}"`
-  return pen.measureText(words).width
 }
 
 // The spaces of a text but those in formulas, after a comma in brackets, and after an article and words with a number: t = 20,

@@ -1,10 +1,21 @@
 // The mathematics in the texts of a picture: names of quantities in italics, products without a dot, exponents raised.
 
+export const FONT = "DejaVu Sans"
+
+const pen = document.createElement("canvas").getContext("2d")
+export const width_of = (words, size) => {
+  pen.font = `${size}px "${FONT}"`
+  return pen.measureText(words).width
+}
+
 const LETTER = "A-Za-zΑ-Ωα-ωϑϕ", UPRIGHT = "ΔΣΠ", ACCENT = "\u0302\u0304\u0307"
 const OF_WORD = LETTER + "À-ÖØ-öø-ɏ"  // beside one of these a letter is part of a word: “Hénon”
 const INDEX = "₀-₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ⁰¹²³⁴-⁹⁺⁻′*,"  // beside a name
 // An exponent and a comma between two indices: their size, and how far they are raised, in heights of the text.
 const SMALLER = 0.72, SHIFTS = { raised: 0.38, lowered: -0.12 }
+// A hat over a letter is a letter of its own, as a PDF sets a combining one beside it: its width, how far right of the middle
+// of a slanted letter it begins, and how much a tall one raises it.
+const HAT = { mark: "\u02c6", width: 0.5, aside: -0.23, raised: 0.11 }, TALL = /[A-Zbdfhklt]/
 
 // A name is one letter, after Δ or ∂ too, but no part of a word, nor the article “a”, the “s” of “ψ’s” or the unit in “(s)”.
 const NAME = new RegExp(`(?<![${OF_WORD}’'])([${UPRIGHT}]?)((?![AIa] (?!(?:from|to|at|is|and|in|with) )[${LETTER}]{2}|(?<= \\()s\\))[${LETTER}][${ACCENT}]?)(?![${OF_WORD}])`, "g")
@@ -30,20 +41,30 @@ export const parts_of = words => {
   }).map(([part, look]) => [part.replaceAll("\u0003", ""), look]).filter(([part]) => part != "")
 }
 
+// How such a part is set: what it is, and by how many pixels up and aside; a hat takes no room beside its letter.
+const set = ([words, look], size) => {
+  if (look in SHIFTS) return [{ words, size: SMALLER * size, up: SHIFTS[look] * size }]
+  const [letter, hat] = [words.replace("\u0302", ""), words.endsWith("\u0302")], style = look
+  if (!hat) return [{ words, style }]
+  const aside = HAT.aside * size - width_of(letter, size) / 2, up = TALL.test(letter) ? HAT.raised * size : 0
+  return [{ words: letter, style }, { words: HAT.mark, style, up, aside, back: -aside - HAT.width * size }]
+}
+
 // Set the text of an SVG element in its parts; `size` in pixels.
 export const typeset = (element, size) => {
   const parts = parts_of(element.textContent)
   if (parts.length < 2 && parts.every(([_, look]) => look == "")) return
   element.textContent = ""
-  let back = 0  // by which what follows such a part is shifted back
-  for (const [words, look] of parts) {
+  let raised = 0, before = 0  // what follows such a part is shifted back
+  for (const { words, style = "", size: own, up = 0, aside = 0, back = 0 } of parts.flatMap(part => set(part, size))) {
     const span = document.createElementNS("http://www.w3.org/2000/svg", "tspan")
     span.textContent = words
-    if (look == "italic") span.setAttribute("font-style", "italic")
-    const raised = (SHIFTS[look] ?? 0) * size, shift = back - raised
-    if (raised != 0) span.setAttribute("font-size", `${SMALLER * size}px`)
-    if (shift != 0) span.setAttribute("dy", shift)
-    back = raised
+    if (style != "") span.setAttribute("font-style", style)
+    if (own != null) span.setAttribute("font-size", `${own}px`)
+    if (up != raised) span.setAttribute("dy", raised - up)
+    if (before + aside != 0) span.setAttribute("dx", before + aside)
+    raised = up
+    before = back
     element.append(span)
   }
 }

@@ -2,8 +2,8 @@
 // A copy of the figure is laid out anew at the width and the text size asked for (by `picture_layout.js`); it is drawn as
 // vectors.
 
-import { typeset } from "./picture_letters.js"
-import { drawn, FONT, INK, is_of_drawing, lettered_levels, PAPER, SMALL, TEXT, thinned, wrapped } from "./picture_layout.js"
+import { FONT, typeset } from "./picture_letters.js"
+import { drawn, INK, is_of_drawing, lettered_levels, PAPER, SMALL, TEXT, thinned, wrapped } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
 const GAP = 10  // pixels between figure and caption, and around the caption
@@ -156,12 +156,14 @@ const of_width = (png, pixels_per_metre) => {
 // As long as before: the table at the end of the file tells where each object begins.
 const conforming = pdf => pdf.replaceAll("/Ordering (Identity-H)", "/Ordering (Identity)  ")
 
-// Put a question mark in place of each character that the font of a PDF does not have; return these characters.
-const replace_unknown = (svg, font) => {
+// Put a question mark in place of each character that its font in a PDF does not have; return these characters.
+const replace_unknown = (svg, paper) => {
   const lacks = new Set(), texts = document.createTreeWalker(svg, NodeFilter.SHOW_TEXT)
   while (texts.nextNode()) {
     const { currentNode: words } = texts
     if (words.parentNode.closest("text") == null) continue
+    const slanted = words.parentNode.getAttribute("font-family") == SLANTED
+    const font = paper.getFont(slanted ? SLANTED : FONT, "normal").metadata
     words.data = Array.from(words.data, one => {
       if (font.characterToGlyph(one.codePointAt(0)) > 0) return one
       lacks.add(one)
@@ -207,7 +209,7 @@ const WRITERS = {
       words.setAttribute("font-family", SLANTED)
     }
     paper.setFont(FONT)
-    made.lacks = replace_unknown(svg, paper.getFont().metadata)
+    made.lacks = replace_unknown(svg, paper)
     await paper.svg(svg, { x: 0, y: 0, width: size[0], height: size[1] })
     return new Blob([Uint8Array.from(conforming(paper.output()), byte => byte.charCodeAt(0))], { type: "application/pdf" })
   },

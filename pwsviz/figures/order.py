@@ -113,6 +113,13 @@ class Studied(NamedTuple):
     reference: str
     """Name of the solution that it is compared with."""
 
+    @property
+    def label(self) -> str:
+        """Name of the integrator and the least and greatest fitted slope, for the legend."""
+        known = sorted((row for row in self.rows if np.isfinite(row.slope)), key=lambda row: row.slope)
+        numbers = list(dict.fromkeys(row.slope_number for row in known[:1] + known[-1:]))
+        return f"{self.method}: slope{'s' * (len(numbers) > 1)} {' to '.join(numbers)}" if numbers else self.method
+
 
 Rows = Callable[[core.OrderStudy], list[Row]]
 """Returns the curves of a plot from a study."""
@@ -365,7 +372,7 @@ class _Drawn:
         self.taus, self.row = one.taus, one.rows[k]
         self.marker = self.row.look.marker
         self.line = line_of(one.method) if several else self.row.look
-        self.label = one.method if several else self.row.label
+        self.label = one.label if several else self.row.label
         self.there = np.isfinite(self.row.error) & (self.row.error > 0)
 
     def height(self, slope: int, tau: float) -> float:

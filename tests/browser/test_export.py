@@ -74,6 +74,16 @@ PARTS = """async words => {
 }"""
 """A text with the parts of a formula marked: i for italics, r for raised."""
 
+HAT = """async () => {
+    const path = "components/pwsviz.export.pictures/PictureFiles/_resources/files/picture_letters.js"
+    const { typeset } = await import(new URL(path, document.baseURI))
+    const text = document.createElementNS("http://www.w3.org/2000/svg", "text")
+    text.textContent = "|t̂| = 1"
+    typeset(text, 10)
+    return [...text.children].map(one => [one.textContent, Number(one.getAttribute("dx")), Number(one.getAttribute("dy"))])
+}"""
+"""The parts of a text of 10 pixels that has a letter with a hat, and their shifts in pixels."""
+
 SET = {
     "a run of rk2 from a start, at t = 2, a = 3": "a run of rk2 from a start, at [i:t] = 2, [i:a] = 3",
     "400 values of a from 1 to 2": "400 values of [i:a] from 1 to 2",
@@ -142,6 +152,12 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
             assert pdf[int(place) :].startswith(b"%d 0 obj" % number)
     for words, typeset in SET.items():
         assert page.evaluate(PARTS, words) == typeset
+    (bar, letter, hat, rest) = page.evaluate(HAT)
+    assert [bar[0], letter[0], hat[0], rest[0]] == ["|", "t", "\u02c6", "| = 1"], (
+        "no combining mark, which a PDF sets aside"
+    )
+    assert -6 < hat[1] < -2 and hat[2] < 0, "above the letter"
+    assert abs(hat[1] + 0.5 * 10 + rest[1]) < 1e-9 and hat[2] + rest[2] == 0, "and the rest as without it"
     page.get_by_role("button", name="600 dpi").click()
     png = downloaded(page, page.get_by_role("button", name="PNG").first)
     wide = int.from_bytes(png[16:20])

@@ -57,7 +57,8 @@ def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
     surface = (
         f"they are those of {release()}. S = {{g = 0}} with g = (x₁ − x₂)² + (y₁ − y₂)² − D². Parameters: D = 0.6, "
     )
-    assert f"”. Equations omitted for their length; {surface}" in told
+    assert "”. Three equal masses attract each other; " in told, "what it is, where its equations are not"
+    assert f" Equations omitted for their length; {surface}" in told
     assert ". For g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
     assert "”. Equations: x′ = u, " in caption(scene_of(core.CATALOGUE["henon_heiles"]), "Order")
     assert "”. In region −−: x′ = " in caption(scene_of(core.CATALOGUE["chua"]), "Order")

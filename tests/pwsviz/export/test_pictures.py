@@ -42,3 +42,9 @@ def test_the_font_of_a_pdf_has_every_character_that_the_page_may_say():
     said = {letter for path in sources if "vendor" not in path.parts for letter in path.read_text(encoding="utf-8")}
     known = TTFont(FOLDER / "vendor" / "DejaVuSans-subset.ttf").getBestCmap()
     assert {letter for letter in said if letter.isprintable() and ord(letter) not in known} == set()
+
+
+def test_the_slanted_font_of_a_pdf_has_every_letter_of_a_name_and_the_hat_above_it():
+    known = TTFont(FOLDER / "vendor" / "DejaVuSans-Oblique-subset.ttf").getBestCmap()
+    letters = {chr(code) for first, last in ("AZ", "az", "αω") for code in range(ord(first), ord(last) + 1)}
+    assert {letter for letter in letters | {"\u02c6"} if ord(letter) not in known} == set()

@@ -79,7 +79,14 @@ def test_several_integrators_have_their_own_looks_and_their_slopes_in_a_table():
     assert [one.method for one in studies] == ["dmm2", "rk4"], "taylor has no order"
     view, shown = OrderView("error"), studied(studies, time_rows)
     view.show(shown)
-    assert view.curves.data["label"] == ["dmm2"] * 3 + ["rk4"] * 3
+    assert [label.partition(": slope")[0] for label in view.curves.data["label"]] == ["dmm2"] * 3 + ["rk4"] * 3
+    row = shown[0].rows[0]
+    for slopes, label in (
+        ((2.0, 2.0), "dmm2: slope 2.00"),
+        ((2.11, np.nan, 1.98), "dmm2: slopes 1.98 to 2.11"),
+        ((np.nan,), "dmm2"),
+    ):
+        assert shown[0]._replace(rows=[replace(row, slope=slope) for slope in slopes]).label == label
     assert view.curves.data["colour"] == [line_of(name).colour for name in ["dmm2"] * 3 + ["rk4"] * 3]
     assert len(set(view.points.data["marker"])) == len(set(view.points.data["label"])) == 3
     assert view.guide_names.data["text"] == ["slope 2", "slope 4"]
