@@ -80,7 +80,8 @@ HAT = """async () => {
     const text = document.createElementNS("http://www.w3.org/2000/svg", "text")
     text.textContent = "|t̂| = 1"
     typeset(text, 10)
-    return [...text.children].map(one => [one.textContent, Number(one.getAttribute("dx")), Number(one.getAttribute("dy"))])
+    const shift = (one, along) => Number(one.getAttribute(along))
+    return [...text.children].map(one => [one.textContent, shift(one, "dx"), shift(one, "dy")])
 }"""
 """The parts of a text of 10 pixels that has a letter with a hat, and their shifts in pixels."""
 
@@ -152,12 +153,11 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
             assert pdf[int(place) :].startswith(b"%d 0 obj" % number)
     for words, typeset in SET.items():
         assert page.evaluate(PARTS, words) == typeset
-    (bar, letter, hat, rest) = page.evaluate(HAT)
-    assert [bar[0], letter[0], hat[0], rest[0]] == ["|", "t", "\u02c6", "| = 1"], (
-        "no combining mark, which a PDF sets aside"
-    )
-    assert -6 < hat[1] < -2 and hat[2] < 0, "above the letter"
-    assert abs(hat[1] + 0.5 * 10 + rest[1]) < 1e-9 and hat[2] + rest[2] == 0, "and the rest as without it"
+    words, aside, down = zip(*page.evaluate(HAT), strict=True)
+    assert words == ("|", "t", "\u02c6", "| = 1"), "no combining mark, which a PDF sets aside"
+    assert -6 < aside[2] < -2 < down[2] < 0, "above the letter"
+    assert aside[2] + 0.5 * 10 + aside[3] == pytest.approx(0), "and the rest as without it"
+    assert down[2] + down[3] == 0
     page.get_by_role("button", name="600 dpi").click()
     png = downloaded(page, page.get_by_role("button", name="PNG").first)
     wide = int.from_bytes(png[16:20])
