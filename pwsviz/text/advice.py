@@ -37,6 +37,9 @@ _SAID: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"(?<=[\w)])\*\*(?=[\w(])", "^"),
 )
 
+#: What follows the name of a variable in a message.
+_FOLLOWED = r"(?= = |' | after a reset | is about |: write the system )"
+
 
 def on_page(message: str, variables: Iterable[str] = ()) -> str:
     """Return a message of `core` as the page says it: controls for arguments of Python, and mathematical symbols.
@@ -51,5 +54,5 @@ def on_page(message: str, variables: Iterable[str] = ()) -> str:
     for pattern, words in _SAID:
         message = re.sub(pattern, words, message)
     for name in variables:
-        message = re.sub(rf"\b{re.escape(name)}(?= = |' | after a reset )", variable_name(name), message)
+        message = re.sub(rf"\b{re.escape(name)}{_FOLLOWED}", variable_name(name), message)
     return message

@@ -67,3 +67,8 @@ def test_terms_that_cancel_are_named_by_their_symbols():
     said = "The terms of omega' cancel, … write psi so that its terms do not cancel, such as (x - a)**3 in place of …"
     told = "The terms of ω' cancel, … write ψ so that its terms do not cancel, such as (x − a)³ in place of …"
     assert on_page(said, ["omega"]) == told
+
+
+def test_sizes_of_variables_are_told_by_their_symbols():
+    said = "phi is about 2,000 times as large as y1: write the system in units in which all are of about one size"
+    assert on_page(said, ["phi", "y1"]).startswith("φ is about 2,000 times as large as y₁: write the system in units")

@@ -1,0 +1,37 @@
+"""What a run that ends early advises."""
+
+import re
+
+import core
+from core import Status
+
+
+def oscillator_and_pendulum(unit):
+    """Two systems that know nothing of each other; the velocity of the first is given in another unit."""
+    force, energy = f"-{unit}*2*(q + 0.3*q**3)", f"v**2/(2*{unit}**2) + q**2 + 0.15*q**4"
+    law = {"-": (f"v/{unit}", force, "w", "-sin(r)"), "+": (f"v/{unit}", force, "w", "-1.5*sin(r)")}
+    psi = {"-": (energy, "w**2/2 - cos(r)"), "+": (energy, "w**2/2 - 1.5*cos(r)")}
+    return core.PiecewiseSystem(
+        "Both", ("q", "v", "r", "w"), law["-"], law["+"], "r - 0.1", psi_minus=psi["-"], psi_plus=psi["+"],
+        x0=(0.9, 0.4 * unit, -0.5, 0.3),
+    )  # fmt: skip
+
+
+def test_a_step_that_fails_for_the_units_of_the_variables_says_so_and_names_methods_that_do_not():
+    assert core.integrate(oscillator_and_pendulum(1.0), (0.0, 20.0), tau=0.01).status is Status.COMPLETED
+    system = oscillator_and_pendulum(1e6)
+    run = core.integrate(system, (0.0, 20.0), tau=0.01)
+    assert run.status is Status.NO_CONVERGENCE
+    assert re.search(r"v is about [12],000,000 times as large as [qrw]: write the system in units", run.message)
+    others = re.search(r"another method that keeps psi \((.*?)\)", run.message)[1].split(", ")
+    assert {core.integrate(system, (0.0, 20.0), method=name, tau=0.01).status for name in others} == {Status.COMPLETED}
+
+
+def test_where_psi_fixes_the_orbit_units_make_no_difference_and_nothing_is_said_of_them():
+    for unit in (1.0, 1e6):
+        force, energy = f"-{unit}*2*(q + 0.3*q**3)", f"v**2/(2*{unit}**2) + q**2 + 0.15*q**4"
+        law = (f"v/{unit}", force)
+        system = core.PiecewiseSystem(
+            "One", ("q", "v"), law, law, "q - 0.1", psi_minus=(energy,), psi_plus=(energy,), x0=(0.9, 0.4 * unit)
+        )
+        assert core.integrate(system, (0.0, 20.0), tau=0.01).status is Status.COMPLETED
