@@ -96,7 +96,7 @@ export function render({ model }) {
     if (document.getElementById("cover") != null) return setTimeout(turn, LOOK_AGAIN, on)  // when the page is built
     model.large = on
     document.documentElement.style.fontSize = on ? `${100 * LARGER}%` : ""
-    const styles = { "--rest": "REST", "--usual": "none", "--lecture": "flex" }
+    const styles = { "--rest": "REST", "--table": "0px", "--usual": "none", "--lecture": "flex" }
     if (!on) { document.documentElement.style.setProperty("--law", "") }
     for (const [name, value] of Object.entries(styles)) {
       document.documentElement.style.setProperty(name, on ? value : "")
