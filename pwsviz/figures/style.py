@@ -51,7 +51,7 @@ ROOM = "var(--legend, 0px)"
 PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
 
 WITH_TABLE = {"height": f"calc(max(14rem + 76px, {HEIGHT} - var(--table, 190px)) + {ROOM})", "flex": "none"}
-"""Styles of a figure that leaves room on the screen for a table below it; a lecture leaves room for all that is told."""
+"""Styles of a figure that leaves room on the screen for a table below; a lecture leaves room for all that is told."""
 
 FRAME = 0.25
 """Opacity of the frame of a figure on the page, on light and on dark ground."""
