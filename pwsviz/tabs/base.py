@@ -15,6 +15,7 @@ from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import Results
+from pwsviz.scene.names import met_at_surfaces
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers, table_markup
@@ -283,6 +284,11 @@ class LongTab(Tab):
         self.progress.stop()
         if self._waits():
             self._say("")
+
+
+def counted(scene: Scene) -> str:
+    """Say what else counts as a crossing where sequences of crossings are compared; empty if nothing does."""
+    return "Jumps count as crossings." if "jumps" in met_at_surfaces(scene.declaration) else ""
 
 
 def about_crossings(scene: Scene, locates: bool = False) -> str:

@@ -15,7 +15,7 @@ from pwsviz.figures.cost import MEANING, CostView, compared_with, cost_numbers, 
 from pwsviz.figures.cost_text import lies_below, missing_text, settings_text, shows_round_off
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS, met_at_surfaces
-from pwsviz.tabs.base import LongTab, about_crossings
+from pwsviz.tabs.base import LongTab, about_crossings, counted
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import at_surface, listed
@@ -70,7 +70,8 @@ class CostTab(LongTab):
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         across, up = self.scene.cost_across, self.scene.cost_up
         self.view.show(outcome, across, up)
-        return f"{cost_text(outcome, across, up)} {self._about_crossings(outcome)}".strip()
+        words = cost_text(outcome, across, up), counted(self.scene), self._about_crossings(outcome)
+        return " ".join(filter(None, words))
 
     def _about_crossings(self, outcome: core.WorkPrecision) -> str:
         """Say what integrators and external solvers do at crossings, if that is unusual."""
@@ -102,6 +103,7 @@ class CostTab(LongTab):
         """Return what the errors, the line and open symbols are, for captions."""
         wrong = any((~curve.correct_sequence & np.isfinite(curve.seconds)).any() for curve in outcome.curves)
         hollow = " Open symbols: runs whose sequence of crossings differs from that of the reference." * wrong
+        hollow += f" {counted(self.scene)}".rstrip() * bool(hollow)
         below = " Downward triangles: errors of 0, or below the plotted range." * lies_below(
             outcome, self.scene.cost_up
         )

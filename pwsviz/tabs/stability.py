@@ -17,7 +17,7 @@ from pwsviz.figures.stability_text import has_limit, runs_drawn
 from pwsviz.geometry.section_crossings import may_slide
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN, met_at_surfaces
-from pwsviz.tabs.base import LongTab, about_crossings
+from pwsviz.tabs.base import LongTab, about_crossings, counted
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.tables import Numbers
@@ -112,7 +112,9 @@ class StabilityTab(LongTab):
         return self._made(outcome) if self.scene.stability_part == "map" else ""
 
     def _made(self, outcome: core.StabilityStudy) -> str:
-        return f"{stability_text(outcome, self.scene.stability_part)} {about_crossings(self.scene)}".strip()
+        part = self.scene.stability_part
+        also = counted(self.scene) * (part != "drift")
+        return " ".join(filter(None, (stability_text(outcome, part), also, about_crossings(self.scene))))
 
     def numbers(self, outcome: core.StabilityStudy) -> Sequence[Numbers]:
         """Return the figures of the part shown."""
@@ -145,7 +147,8 @@ class StabilityTab(LongTab):
         known = known and any(core.METHODS[name].conservative for name in outcome.methods)
         if part == "map" and not has_limit(outcome, self.scene.selected_method):
             return ""
-        return MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))
+        words = MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))
+        return f"{words} {counted(self.scene)}".rstrip() if part == "map" else words
 
     def key(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are successful, where the map names the largest."""

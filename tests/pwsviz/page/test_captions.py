@@ -96,3 +96,11 @@ def test_where_crossings_are_not_located_the_words_on_psi_say_so(explorer):
         explorer.scene.load({"methods": ["dmm2"], "view": "conserved", "locate": locate})
         assert explorer.settle(60)
         assert ("Crossings are not located" in explorer.views["conserved"].words.object) is not locate
+
+
+def test_jumps_count_as_crossings_where_sequences_are_compared_and_nothing_is_said_of_them_elsewhere(explorer):
+    for system, jumps in (("bouncing_ball", 1), ("coulomb_friction", 0)):
+        _, drawn = told_of(explorer, system=system, view="stability", methods=["dmm2"])
+        assert drawn.count("Jumps count as crossings.") == jumps, system
+        told_of(explorer, system=system, view="cost", methods=["dmm2"])
+        assert explorer.view.words.object.count("Jumps count as crossings.") == jumps, system
