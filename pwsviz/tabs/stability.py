@@ -146,7 +146,7 @@ class StabilityTab(LongTab):
         part, known = self.scene.stability_part, self.scene.declaration.laws.most_conserved > 0
         known = known and any(core.METHODS[name].conservative for name in outcome.methods)
         if part == "map" and not has_limit(outcome, self.scene.selected_method):
-            return ""
+            return counted(self.scene)
         words = MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))
         return f"{words} {counted(self.scene)}".rstrip() if part == "map" else words
 
