@@ -8,8 +8,8 @@ SYSTEM = PiecewiseSystem(
     f_minus=("v", "-(gamma_minus*v + k*x)/m"),
     f_plus=("v", "-(gamma_plus*v + k*x)/m"),
     g="x",
-    psi_minus=("(m*v**2 + gamma_minus*x*v + k*x**2)/2*exp(gamma_minus*t/m)",),
-    psi_plus=("(m*v**2 + gamma_plus*x*v + k*x**2)/2*exp(gamma_plus*t/m)",),
+    psi_minus=("exp(gamma_minus*t/m)*(m*v**2 + gamma_minus*x*v + k*x**2)/2",),
+    psi_plus=("exp(gamma_plus*t/m)*(m*v**2 + gamma_plus*x*v + k*x**2)/2",),
     parameters=(
         Parameter("gamma_minus", 0.05, (0.0, 1.0), "damping where x < 0"),
         Parameter("gamma_plus", 0.2, (0.0, 1.0), "damping where x > 0"),

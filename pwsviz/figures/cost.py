@@ -145,8 +145,9 @@ class _Drawn:
 
     @property
     def joined(self) -> Floats:
-        """(m,) costs of the points that are joined: not those of runs with another sequence of crossings."""
-        return np.where(self.curve.correct_sequence, self.cost, np.nan)
+        """(m,) costs of the points that are joined: not those of another sequence of crossings, or below the plot."""
+        joined = self.curve.correct_sequence & (self.error >= self.height)
+        return np.where(joined, self.cost, np.nan)
 
     def points(self) -> Iterator[dict[str, Any]]:
         """Yield the columns of each point."""

@@ -204,7 +204,7 @@ def _missing(study: core.WorkPrecision) -> Iterator[str]:
         count = sum(curve.status.count(word) for curve in study.curves)
         if count:
             yield f"{plural(count, 'setting')} {word}."
-    wrong = f"the sequence of crossings differs from that of the solution, {study.met} (open symbols)"
+    wrong = f"the sequence of crossings differs from that of the solution, {_met(study)} (open symbols)"
     told: dict[str, list[str]] = {}
     for curve in study.curves:
         places: dict[str, list[int]] = {}
@@ -246,7 +246,12 @@ def _where(curve: CostCurve, found: list[int]) -> str:
 
 def compared_with(study: core.WorkPrecision) -> str:
     """Return over which time the runs go, and what they are compared with."""
-    return f"to t = {study.t_span[1]:.6g}, over {study.met}; reference: {study.reference}"
+    return f"to t = {study.t_span[1]:.6g}, over {_met(study)}; reference: {study.reference}"
+
+
+def _met(study: core.WorkPrecision) -> str:
+    """Return what the solution meets: “21 crossings”, “3 crossings and 1 slide”."""
+    return listed(str(study.met).split(", "))
 
 
 def _comparison(study: core.WorkPrecision, up: Up) -> str:

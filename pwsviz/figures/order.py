@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from bokeh.models import ColumnDataSource, DataRange1d
+from bokeh.models import ColumnDataSource, DataRange1d, Scatter
 from numpy.typing import ArrayLike, NDArray
 
 import core
@@ -289,12 +289,15 @@ class OrderView:
         fits = plot.multi_line("xs", "ys", source=self.fits, color="colour", alpha=0.25, line_width=6, line_cap="round")
         self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "label", *MARK_COLUMNS)})
         lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
-        self.points = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "label")})
-        marks = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=MARK)
+        self.points = ColumnDataSource({name: [] for name in ("x", "y", "nowhere", "colour", "marker", "label")})
+        plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=MARK)
+        # What the marks of several integrators stand for is told in a colour of none of them.
+        grey = Scatter(x="nowhere", y="nowhere", marker="marker", size=MARK, fill_color=GREY, line_color=GREY)
+        keys_of_marks = plot.add_glyph(self.points, grey)
         self.guide_names = name_slopes(plot, self.guides, self.curves)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         keys = legend_marks(plot, self.curves, size=MARK)
-        entries = [({"field": "label"}, [lines, keys]), ({"field": "label"}, marks), ("fit", fits)]
+        entries = [({"field": "label"}, [lines, keys]), ({"field": "label"}, keys_of_marks), ("fit", fits)]
         _, self._marks, self._fit = legend_below(plot, entries, usual=2)
 
     def show(self, shown: Sequence[Studied]) -> None:
@@ -315,6 +318,7 @@ class OrderView:
         self.points.data = {
             "x": np.concatenate([one.taus[one.there] for one in drawn]),
             "y": np.concatenate([one.row.error[one.there] for one in drawn]),
+            "nowhere": np.full(sum(counts), np.nan),
             "colour": np.repeat([one.line.colour for one in drawn], counts),
             "marker": np.repeat([one.marker for one in drawn], counts),
             "label": np.repeat([one.row.short for one in drawn], counts),

@@ -173,9 +173,9 @@ def _write_system(sheet: EquationSheet, laws: Laws, groups: Sequence[Group]) -> 
     if not laws.regions[0].sides:
         for mode, ways in zip(laws.regions, laws.ways, strict=True):
             for way in ways if mode.name else ():
-                sign = "g" if way.sign > 0 else "−g"
+                guard = f"{'−' * (way.sign <= 0)}{numbered('g', way.surface + 1)}"
                 to = "" if way.to is None else laws.name(way.to)
-                sheet.say(f"“{mode.name}” is followed by “{to}” where {sign}{way.surface + 1} falls to 0.")
+                sheet.say(f"“{mode.name}” is followed by “{to}” where {guard} falls to 0.")
 
 
 def _alone(entries: Sequence[Expr] | sympy.MatrixBase) -> Shown:

@@ -108,10 +108,8 @@ def sweep_text(found: Diagram, present: float) -> str:
     found_all = f"The {plural(inputs.points, 'point')} requested were found for"
     if done and whole == done:
         words += f" {found_all} every value."
-    elif whole:
-        words += f" {found_all} {whole:,} of them."
     elif done:
-        words += f" {found_all} none of them."
+        words += f" {found_all} {f'{whole:,}' if whole else 'none'} of the {plural(done, 'value')}."
     hope = prospects(declared, "sweep") if found.counts.any() or not done else ""
     hope = hope or examples_of("sweep") * (2 * whole < done)
     said = (_at_present(found, present), words, _nothing_left(found), _refusal(found), hope)
@@ -229,4 +227,4 @@ def _places(values: Floats, found: list[tuple[int, int]]) -> str:
         for first, last in longest
     ]
     more = len(found) - len(longest)
-    return "; ".join(said) + (f"; and {more:,} more" if more else "")
+    return "; ".join(said) + (f"; and {more:,} further" if more else "")

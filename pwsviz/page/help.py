@@ -51,8 +51,8 @@ _USE = (
     "Double-click beside the stars to fit the portrait to the trajectories.",
     "Choose integrators to compare them: dmm2 to dmm8 (Discrete Multiplier Method), prk8 and taylor conserve ψ; "
     "Runge–Kutta methods (rk) in general do not, and gauss4 conserves linear and quadratic ψ only.",
-    "Conserved quantity: is ψ conserved? State: how does it change in time? Order: how fast do errors fall with τ? "
-    "Crossing time: how accurate are the times of crossings? Cost: what does accuracy cost? Section: where do "
+    "Conserved quantity: is ψ conserved? State: how do the variables change in time? Order: how fast do errors fall "
+    "with τ? Crossing time: how accurate are the times of crossings? Cost: what does accuracy cost? Section: where do "
     "trajectories meet a surface? Stability: which step sizes work? Sweep: what does a parameter change? Scheme: what "
     "is computed?",
     "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0, in the colours of their "

@@ -27,12 +27,13 @@ FEW_DIGITS, ROUNDED = 6, 5
 _QUOTED = r"“[^”]*”|(?<!\w)'[^']*'(?!\w)"
 """What a message quotes, and so has to stay as it was typed."""
 _POWER = r"(?P<factor>(?<![\w.])[0-9]+(?:\.[0-9]+)?)e(?P<power>[+-]?[0-9]+)(?!\w)"
+_SMALL = r"(?P<small>(?<![\w.])0\.000[0-9]*[1-9][0-9]*)(?!\w|\.[0-9])"
 _MINUS = r"(?<![\w)\]])-(?=\.?[0-9])"
-_WRITTEN = re.compile(rf"{_QUOTED}|{_POWER}|{_MINUS}")
+_WRITTEN = re.compile(rf"{_QUOTED}|{_POWER}|{_SMALL}|{_MINUS}")
 
 PRINTED = """
 const printed = text => {  // a single number, as `printed` in Python
-  const [factor, power] = text.split("e")
+  const [factor, power] = (/^-?0\\.000[0-9]*[1-9]/.test(text) ? Number(text).toExponential() : text).split("e")
   const raised = power?.replace("+", "").replace(/./g, sign => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)])
   const times = power == null ? factor : `${/^-?1$/.test(factor) ? factor.slice(0, -1) : factor + "×"}10${raised}`
   return times.replace("-", "\\u2212")
@@ -59,12 +60,16 @@ def brief(value: float) -> str:
 
 
 def printed(text: str) -> str:
-    """Return a text with its numbers as they are printed: 2e-06 as 2×10⁻⁶, 3e+01 as 30, -3 as −3; quotations stay."""
+    """Return a text with its numbers as they are printed: 2e-06 as 2×10⁻⁶, 3e+01 as 30, -3 as −3; quotations stay.
+
+    0.000122, too, is printed as 1.22×10⁻⁴, as a smaller one is.
+    """
     return _WRITTEN.sub(_print, text)
 
 
 def _print(found: re.Match[str]) -> str:
-    factor, power = found["factor"], found["power"]
+    small = f"{Decimal(found['small']):e}".split("e") if found["small"] else None
+    factor, power = small or (found["factor"], found["power"])
     if power is None:
         return "−" if found[0] == "-" else found[0]
     if abs(int(power)) <= PLAIN:

@@ -125,6 +125,7 @@ def test_errors_of_zero_and_below_the_plot_are_marked_on_its_lower_end_and_told_
     level, bottom = view.levels.ticker.ticks
     assert (level, view.points.data["x"], view.below.data["x"]) == (FLOOR["state"], [1e-4], [1e-3, 1e-2])
     assert view.below.data["y"] == [bottom, bottom]
+    assert np.isnan(view.curves.data["xs"][0]).tolist() == [False, True, True], "no line joins what is not measured"
     assert view.below.data["error"] == ["1.0×10⁻²⁰", "0"]
     assert view.corners.data["y"][0] < bottom < level
     assert view.levels.names.args["names"][1] == BELOW_RANGE

@@ -128,7 +128,7 @@ def test_the_scheme_has_the_law_of_every_region_under_its_name(system):
 def test_regions_that_have_names_have_them_as_indices_and_follow_one_another():
     text = unescape(scheme_markup(core.CATALOGUE["thermostat"], "rk2"))
     assert "<msub><mi>f</mi><mi>on</mi></msub>" in text
-    assert "“on” is followed by “off” where g1 falls to 0." in text
+    assert "“on” is followed by “off” where g₁ falls to 0." in text
     assert "f_{on} = " in text
     assert headings(scheme_markup(RELAY, "rk2"))[:2] == ["Region pre-heat", "Region off"]
 

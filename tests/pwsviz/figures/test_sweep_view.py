@@ -98,7 +98,7 @@ def test_words_and_table_say_how_many_values_end_how_and_where():
     assert sweep_numbers(diagram([LIMIT] * 7)).rows == ()
     assert "The 4 points requested were found for every value." in sweep_text(diagram([LIMIT] * 7), 9.0)
     assert "nearest to the chosen value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
-    assert "were found for none of them." in sweep_text(diagram([DONE] * 7), 0.0)
+    assert "were found for none of the 7 values." in sweep_text(diagram([DONE] * 7), 0.0)
 
 
 @pytest.mark.parametrize(
