@@ -204,7 +204,7 @@ def _missing(study: core.WorkPrecision) -> Iterator[str]:
         count = sum(curve.status.count(word) for curve in study.curves)
         if count:
             yield f"{plural(count, 'setting')} {word}."
-    wrong = f"the sequence of crossings differs from that of the solution, {_met(study)} (open symbols)"
+    wrong = f"the sequence of crossings differs from that of the solution, which has {_met(study)} (open symbols)"
     told: dict[str, list[str]] = {}
     for curve in study.curves:
         places: dict[str, list[int]] = {}

@@ -249,7 +249,7 @@ def test_words_say_what_is_missing_and_why():
     words = cost_text(study(late, gone, off, rest), "seconds", "state")
     assert "rk4, τ = 0.0316 and 1 other value: takes too long." in words
     assert "heyoka: heyoka is not installed." in words
-    assert "rk2: the sequence of crossings differs from that of the solution, 8 crossings (open sy" in words
+    assert "rk2: the sequence of crossings differs from that of the solution, which has 8 crossings (open sy" in words
     assert "1 setting not measured yet." in words
     assert "1 setting cancelled." in words
 
