@@ -239,7 +239,7 @@ def _unlike_sizes(end: Ending) -> str:
     if not mode.conserved or mode.discrete.factor is not None:
         return ""
     sizes = np.maximum(np.abs(last.x), end.sizes or 0.0)
-    known = np.flatnonzero(sizes)
+    known = np.flatnonzero(sizes > _ROUNDING * sizes.max())
     small, large = (int(known[choose(sizes[known])]) for choose in (np.argmin, np.argmax)) if known.size else (0, 0)
     ratio = sizes[large] / sizes[small] if known.size else 1.0
     names = end.system.variables

@@ -4,6 +4,8 @@ import re
 
 import core
 from core import Status
+from core.integration.outcome import Cause, Ending, outcome
+from core.integration.recorded import Point
 
 
 def oscillator_and_pendulum(unit):
@@ -35,3 +37,12 @@ def test_where_psi_fixes_the_orbit_units_make_no_difference_and_nothing_is_said_
             "One", ("q", "v"), law, law, "q - 0.1", psi_minus=(energy,), psi_plus=(energy,), x0=(0.9, 0.4 * unit)
         )
         assert core.integrate(system, (0.0, 20.0), tau=0.01).status is Status.COMPLETED
+
+
+def test_a_variable_that_is_zero_up_to_rounding_is_not_told_to_be_small():
+    """A made-up end, since a step of variables of one size seldom fails."""
+    last = Point(2.0, (0.9, 1e-17, -0.5, 0.3), 0)
+    system, method = oscillator_and_pendulum(1.0), core.METHODS["dmm2"]
+    for velocity, told in ((1e-16, False), (1e4, True)):
+        end = Ending(system, method, Status.NO_CONVERGENCE, last, Cause(0.01), (0.9, velocity, 1.2, 0.9))
+        assert ("times as large" in outcome(end)) is told
