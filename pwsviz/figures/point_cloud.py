@@ -284,10 +284,7 @@ def _alphas() -> list[int]:
 
 
 def _roomy(extent: Window, least: float) -> Window:
-    """Return a window with some margin; of points on a line, as wide as they are far from the origin."""
-    across = extent.width if extent.width > least else max(abs(extent.x_low), 1.0)
-    up = extent.height if extent.height > least else max(abs(extent.y_low), 1.0)
-    return Window(
-        extent.x_low - MARGIN * across, extent.x_high + MARGIN * across,
-        extent.y_low - MARGIN * up, extent.y_high + MARGIN * up,
-    )  # fmt: skip
+    """Return a window with some margin; of points on a line, as wide on either side as they are far from the origin."""
+    across = MARGIN * extent.width if extent.width > least else max(abs(extent.x_low), 1.0)
+    up = MARGIN * extent.height if extent.height > least else max(abs(extent.y_low), 1.0)
+    return Window(extent.x_low - across, extent.x_high + across, extent.y_low - up, extent.y_high + up)

@@ -13,7 +13,7 @@ from pwsviz.scene.scene import Scene
 from pwsviz.text.words import as_text
 from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.kept import kept
-from pwsviz.widgets.panes import text_pane
+from pwsviz.widgets.panes import heading_with, text_pane
 from pwsviz.widgets.setting_buttons import PRESSED, UNSEEN_LABEL
 
 NUMBERS_SX = {
@@ -37,7 +37,7 @@ class Trajectories(pn.viewable.Viewer):
         super().__init__()
         self.scene = scene
         self.numbers = pmui.RadioButtonGroup(
-            options=[1], value=1, label=LABELS["starts"], size="small", margin=(4, 8, 4, 0), sx=NUMBERS_SX,
+            options=[1], value=1, label=LABELS["starts"], size="small", margin=(4, 4, 4, 0), sx=NUMBERS_SX,
             stylesheets=[UNSEEN_LABEL],
         )  # fmt: skip
         self.more = pmui.IconButton(icon="add", size="small", description="Add a trajectory", margin=2)
@@ -81,8 +81,8 @@ class Trajectories(pn.viewable.Viewer):
             self.message.object = as_text(str(reason), "error")
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Buttons in a row that wraps."""
+        """Buttons beside their heading, in a row that wraps."""
         return pn.Column(
-            pn.FlexBox(self.numbers, self.more, self.less, align_items="center", margin=0), self.message,
+            heading_with("Starts", self.numbers, self.more, self.less), self.message,
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip

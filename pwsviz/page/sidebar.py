@@ -25,10 +25,10 @@ from pwsviz.text.words import as_text
 from pwsviz.widgets.choices import Choices
 from pwsviz.widgets.dropdown import CHOOSER, Dropdown
 from pwsviz.widgets.number_field import Later, NumberField, at_once
-from pwsviz.widgets.panes import PLAIN_SX, heading, text_pane
+from pwsviz.widgets.panes import PLAIN_SX, heading, heading_with, text_pane
 
 TAU_SLIDER = (1e-4, 0.3)
-"""Ends of the slider of the step size; the field above it takes the whole range of the scene."""
+"""Ends of the slider of the step size; the field beside it takes the whole range of the scene."""
 
 COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 80px !important; min-width: 80px; }"
 """Side by side where at least 80 px remain for each, so that the names can be read."""
@@ -296,10 +296,10 @@ class Sidebar(pn.viewable.Viewer):
         """Return the controls in a column, in the order in which one sets things up."""
         return pn.Column(
             self.presets, self.preset_note,
-            heading("System"), self.system, self.write, self.about, self.parameters, self.plane,
-            heading("Starts"), self.trajectories, self.coordinates,
-            heading("Integrators"), self.methods, self.methods_message, self.methods_note,
-            self.tau, self.tolerance, self.t_end,
+            heading_with("System", self.write), self.system, self.about, self.parameters, self.plane,
+            self.trajectories, self.coordinates,
+            heading("Time"), self.tau, self.t_end,
+            heading("Integrators"), self.methods, self.methods_message, self.methods_note, self.tolerance,
             heading("Crossings"), self.at_surface, self.order, self.scale,
             margin=(4, 12), sizing_mode="stretch_width",
         )  # fmt: skip

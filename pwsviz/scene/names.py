@@ -15,7 +15,7 @@ from pwsviz.text.words import listed
 LABELS: Mapping[str, str] = {
     "system": "System", "own": "Your own system", "values": "Parameters", "starts": "Starts",
     "selected": "Selected start", "axes": "Portrait in the plane of", "window": "Limits of the portrait",
-    "methods": "Integrators", "tau": "Step size τ", "tolerance": "Tolerance of taylor",
+    "methods": "Integrators", "tau": "Step size τ", "tolerance": "Taylor tolerance",
     "t_end": "End time", "locate": "Locate crossings (transition scheme)",
     "slide": "Slide along the surface (Filippov)",
     "perturbation_order": "Perturb crossing times by c·τᵖ; order p", "perturbation_scale": "Factor c",
@@ -48,7 +48,7 @@ _CHOICES = {
     "peers": EXTERNAL_SOLVERS, "cost_across": COST_ACROSS, "cost_up": COST_UP, "stability_part": STABILITY_PARTS,
     "stability_shown": STABILITY_SHOWN, "section_of": {"": "the switching surfaces"},
     "section_direction": _DIRECTIONS, "sweep_direction": _DIRECTIONS,
-    "sweep_parameter": {"": "the first with bounds"}, "sweep_coordinate": {"": "the first that varies on the surface"},
+    "sweep_parameter": {"": "the system’s own"}, "sweep_coordinate": {"": "the first that varies on the surface"},
     "sweep_of": {"": "the switching surfaces"},
     "sweep_continuation": SWEEP_CONTINUATIONS, "system": {"own": "your own"},
 }  # fmt: skip

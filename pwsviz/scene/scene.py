@@ -108,7 +108,9 @@ class Scene(param.Parameterized):
     section_points = param.Integer(default=2000, bounds=(1, 1_000_000), doc="Points of each start.")
     section_discard = param.Integer(default=0, bounds=(0, 1_000_000), doc="Points of each start discarded first.")
     section_map = param.Boolean(default=False, doc="Whether the return map is shown, not the section itself.")
-    sweep_parameter = param.String(default="", doc="The parameter of the diagram; empty: the first with bounds.")
+    sweep_parameter = param.String(
+        default="", doc="The parameter of the diagram; empty: that which the system suggests."
+    )
     sweep_range: Any = param.ClassSelector(
         default=None, class_=tuple, doc="Its first and last value; None: its bounds."
     )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AFRESH", "COUNTS", "MOST_POINTS", "checked", "swept_coordinate",
-    "swept_direction", "swept_parameter", "swept_range", "usual_range",
+    "swept_direction", "swept_parameter", "swept_range", "usual_parameter", "usual_range",
 ]  # fmt: skip
 
 MOST_POINTS = 2_000_000
@@ -41,10 +41,28 @@ LARGEST = 1e6
 
 
 def swept_parameter(scene: Scene) -> core.Parameter | None:
-    """Return the chosen parameter, or the first one with bounds, or the first; None if the system has none."""
-    parameters = scene.declaration.parameters
-    chosen = [q for q in parameters if q.name == scene.sweep_parameter]
-    return next(iter([*chosen, *(q for q in parameters if q.bounds), *parameters]), None)
+    """Return the chosen parameter, or the one that the system suggests; None if it has none."""
+    system = scene.declaration
+    chosen = (q for q in system.parameters if q.name == scene.sweep_parameter)
+    return next(chosen, usual_parameter(system))
+
+
+def usual_parameter(system: core.PiecewiseSystem) -> core.Parameter | None:
+    """Return the parameter on which the points on the surfaces are most likely to depend; None if there is none.
+
+    That is the first one of the surfaces and reset maps, else of the field where the system starts (of the orbit of a
+    conservative system it may be that no other moves the points), else of any; one with bounds before others.
+    """
+    laws = system.laws
+    jumps = (value for ways in laws.ways for way in ways for value in way.jump or ())
+    start = max(range(len(laws.regions)), key=lambda k: system.heights(k, 0.0, system.x0).min())
+    parts = ((*laws.surfaces, *jumps), laws.regions[start].field)
+    names = [{str(symbol) for expression in part for symbol in expression.free_symbols} for part in parts]
+
+    def rank(parameter: core.Parameter) -> tuple[bool, int]:
+        return parameter.bounds is None, next((k for k, part in enumerate(names) if parameter.name in part), len(names))
+
+    return min(system.parameters, key=rank, default=None)
 
 
 def swept_range(scene: Scene) -> tuple[float, float]:

@@ -28,6 +28,9 @@ background: var(--mui-palette-primary-main);
 
 FIELD_CSS = f"""
 :host {{ font-size: 0.875rem; }}
+.slides {{ display: grid; grid-template-columns: minmax(0, 7.25rem) 1fr; align-items: center; }}
+.slides .field input {{ padding: 0 10px; }}
+.slides .note {{ grid-column: 1 / -1; order: 1; margin-left: 10px; }}
 .field {{ position: relative; padding-top: 8px; margin-top: 1px; }}
 .field label {{ {LABEL} }}
 .field input {{ box-sizing: border-box; width: 100%; height: 40px; padding: 0 14px; font: inherit; font-size: 1rem;
@@ -41,8 +44,8 @@ FIELD_CSS = f"""
          color: var(--mui-palette-text-secondary); }}
 .note:empty {{ display: none; }}
 .note.refused {{ color: var(--mui-palette-error-main); }}
-input[type=range] {{ appearance: none; width: calc(100% - 28px); height: 24px; margin: 0 14px; background: none;
-                     cursor: pointer; }}
+input[type=range] {{ appearance: none; width: calc(100% - 16px); min-width: 0; height: 24px; margin: 8px 2px 0 14px;
+                     background: none; cursor: pointer; }}
 input[type=range]::-webkit-slider-runnable-track {{ {_TRACK} }}
 input[type=range]::-moz-range-track {{ {_TRACK} }}
 input[type=range]::-webkit-slider-thumb {{ {_THUMB} margin-top: -5.5px; }}

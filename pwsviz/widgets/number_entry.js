@@ -1,4 +1,4 @@
-// A labelled text entry for a number and, where it has ends, a slider that announces the number.
+// A labelled text entry for a number and, where it has ends, a slider beside it that announces the number.
 
 const STEPS = 400  // of the slider from end to end
 const AGAIN = 300  // milliseconds without words after which a screen reader announces them again
@@ -6,10 +6,10 @@ let count = 0
 
 function render({ model, el }) {
   const id = `number-${count++}`
-  el.innerHTML = `<div class="field"><label for="${id}"></label><input type="text" id="${id}" autocomplete="off"
+  el.innerHTML = `<div class="number"><div class="field"><label for="${id}"></label><input type="text" id="${id}" autocomplete="off"
       spellcheck="false" aria-describedby="${id}-note ${id}-about"><span hidden id="${id}-about"></span></div>
-    <p class="note" id="${id}-note" role="status"></p><input type="range" min="0" max="${STEPS}" step="1">`
-  const [label, entry, about, note, slider] = ["label", "input", "span", "p", "input[type=range]"]
+    <p class="note" id="${id}-note" role="status"></p><input type="range" min="0" max="${STEPS}" step="1"></div>`
+  const [number, label, entry, about, note, slider] = [".number", "label", "input", "span", "p", "input[type=range]"]
     .map(name => el.querySelector(name))
 
   let typing = false  // the entry holds what was not sent yet
@@ -38,6 +38,7 @@ function render({ model, el }) {
     note.setAttribute("aria-label", `${model.label}, as read`)
     note.className = model.complaint ? "note refused" : "note"
     slider.hidden = model.ends == null
+    number.classList.toggle("slides", !slider.hidden)
     slider.setAttribute("aria-label", `${model.label}, slider`)
     slider.setAttribute("aria-valuetext", model.said)
     if (model.bounds != null) {  // the slider counts its own steps: what it stands for is told in their place

@@ -32,7 +32,7 @@ def at_once(show: Callable[[], None]) -> None:
 
 
 class NumberEntry(pn.custom.JSComponent):
-    """What the browser shows of a number: a text entry, and below it a slider, which tells the number.
+    """What the browser shows of a number: a text entry, and beside it a slider, which tells the number.
 
     The server alone sets `text`; what a person types comes as a message with a number. So the browser knows to which
     text an answer belongs, and a late one does not replace what was typed since.
@@ -188,7 +188,7 @@ class NumberField(pn.viewable.Viewer):
         self.entry.visible = wanted
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Return the field, and the slider below it."""
+        """Return the field, and the slider beside it."""
         return self.entry
 
 

@@ -29,7 +29,7 @@ TEXT_CSS = (
 :host { font-size: 0.875rem; line-height: 1.45; color: var(--mui-palette-text-primary); }
 p { margin: 0 0 2px 0; }
 .heading { font-size: 0.75rem; font-weight: 600; letter-spacing: 0.08em; text-transform: uppercase;
-           color: var(--mui-palette-text-secondary); margin: 14px 0 2px 0; }
+           color: var(--mui-palette-text-secondary); margin: var(--heading, 14px 0 2px 0); }
 .about { color: var(--mui-palette-text-secondary); margin: 2px 0 6px 0; display: var(--usual, block); }
 .law { margin: 0 0 0 1.5em; text-indent: -1.5em; }
 .law sup { line-height: 0; }
@@ -47,6 +47,10 @@ p { margin: 0 0 2px 0; }
 """
     + FORMULAS
 )
+
+
+BESIDE_HEADING_CSS = ":host { --heading: 0; }"
+"""Of a row that begins with a heading: the margin is that of the row."""
 
 
 class Text(pn.pane.HTML):
@@ -69,6 +73,15 @@ def markup_pane(style: str) -> pn.pane.HTML:
 def heading(words: str) -> pn.pane.HTML:
     """Return a small title for a group of controls."""
     return _html(f'<div class="heading" role="heading" aria-level="2">{escape(words)}</div>')
+
+
+def heading_with(words: str, *controls: Any) -> pn.FlexBox:
+    """Return a small title for a group of controls, some of which stand beside it in a row that wraps."""
+    title = heading(words)
+    title.sizing_mode = None
+    return pn.FlexBox(
+        title, *controls, align_items="center", gap="0 8px", margin=(6, 0, 0, 0), stylesheets=[BESIDE_HEADING_CSS]
+    )
 
 
 def plot_pane(plot: figure, **options: Any) -> pn.pane.Bokeh:

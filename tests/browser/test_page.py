@@ -198,7 +198,7 @@ def test_a_picture_in_more_dimensions_says_that_it_is_projected_and_is_not_left_
 def test_taylor_brings_its_tolerance(visit):
     page = visit()
     await_painted(page, "Phase portrait")
-    assert not field(page, "Tolerance of taylor").is_visible()
+    assert not field(page, "Taylor tolerance").is_visible()
     page.get_by_label("taylor", exact=True).check()
-    type_into(page, "Tolerance of taylor", "1e-6")
+    type_into(page, "Taylor tolerance", "1e-6")
     page.get_by_text(re.compile(r"taylor: 2,0\d\d steps")).wait_for()

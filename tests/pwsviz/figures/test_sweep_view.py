@@ -29,7 +29,7 @@ LIMIT, BLOWS_UP, DONE, TO_COME = (
 
 def diagram(outcomes, points=4, **settings):
     """A diagram of a₋ whose whole values have the points 1, 2, 1, 2; COMPLETED ones have two, others none."""
-    scene = Scene(sweep_range=(-3.0, 3.0), sweep_values=7, sweep_points=points, **settings)
+    scene = Scene(sweep_parameter="a_minus", sweep_range=(-3.0, 3.0), sweep_values=7, sweep_points=points, **settings)
     counts = np.array([{LIMIT: points, DONE: 2}.get(code, 0) for code in outcomes])
     portions = tuple(
         Portion(np.full(count, value), np.resize([1.0, 2.0], count), 0)
@@ -151,7 +151,7 @@ def test_how_names_all_that_repeats_the_diagram():
     assert surface_words(inputs) == "the surface x − 1 = 0 at which the function decreases"
     how = sweep_how(inputs)
     for words in (
-        "y where the runs meet the surface", "400 values of a₋ from −8 to 4",
+        "y where the runs meet the surface", "400 values of r from 0.1 to 4",
         "the first 100 points of each run are discarded, and at most the next 100 (t ≤ 2,000) are plotted",
         "next smaller value", "taylor with tolerance 10⁻¹²", "Filippov",
     ):  # fmt: skip

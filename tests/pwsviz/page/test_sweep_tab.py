@@ -138,7 +138,7 @@ def test_what_comes_of_a_system_that_has_just_been_left_is_drawn_all_the_same():
 
 
 def test_a_diagram_without_points_leaves_its_room_to_the_words():
-    page = opened(system="bouncing_ball", sweep_discard=400)
+    page = opened(system="bouncing_ball", sweep_parameter="gravity", sweep_discard=400)
     assert not page.view._place.visible
     assert "No run has more than the 400 crossings discarded first" in page.view.words.object
     page.close()

@@ -13,8 +13,18 @@ from tests.pwsviz.own_systems import OWN_SYSTEMS
 def test_a_system_suggests_a_parameter_with_its_bounds(key):
     scene = Scene(system=key)
     parameter = swept_parameter(scene)
-    assert parameter == next(q for q in scene.declaration.parameters if q.bounds)
+    assert parameter.bounds is not None
     assert swept_range(scene) == parameter.bounds
+
+
+@pytest.mark.parametrize(
+    ("key", "name", "why"),
+    [("elliptic_curve", "radius", "of the surface"), ("two_walls", "restitution", "of the reset map"),
+     ("chua", "alpha", "of the field"), ("harmonic_oscillator", "omega2_plus", "of the field where it starts"),
+     ("diode_circuit", "c_plus", "of the field where it starts")],
+)  # fmt: skip
+def test_the_parameter_is_one_that_moves_the_points(key, name, why):
+    assert swept_parameter(Scene(system=key)).name == name, why
 
 
 @pytest.mark.parametrize(
@@ -38,9 +48,9 @@ def test_parameters_without_bounds_get_values_around_their_own_and_none_are_none
     laws = {"variables": ("x", "y"), "f_minus": ("y", "-k*x"), "f_plus": ("y", "-x - m"), "g": "y", "x0": (1.0, 1.0)}
     scene = Scene()
     scene.use(core.PiecewiseSystem("free", parameters={"k": 3.0, "m": 0.0}, **laws))
-    assert swept_range(scene) == (1.5, 4.5)
-    scene.accept("sweep_parameter", "m")
     assert swept_range(scene) == (-1.0, 1.0)
+    scene.accept("sweep_parameter", "k")
+    assert swept_range(scene) == (1.5, 4.5)
     scene.use(core.PiecewiseSystem("none", **{**laws, "f_minus": ("y", "-x"), "f_plus": ("y", "-2*x")}))
     assert swept_parameter(scene) is None
     with pytest.raises(ValueError, match="no parameter"):
@@ -49,9 +59,9 @@ def test_parameters_without_bounds_get_values_around_their_own_and_none_are_none
 
 def test_another_parameter_or_system_brings_its_own_range():
     scene = Scene()
-    scene.accept("sweep_range", (-1.0, 1.0))
-    scene.accept("sweep_parameter", "radius")
-    assert swept_range(scene) == (0.1, 4.0)
+    scene.accept("sweep_range", (0.5, 1.0))
+    scene.accept("sweep_parameter", "a_minus")
+    assert swept_range(scene) == (-8.0, 4.0)
     scene.accept("sweep_of", "x - 1")
     scene.accept("system", "chua")
     assert (scene.sweep_parameter, scene.sweep_range, scene.sweep_coordinate, scene.sweep_of) == ("", None, "", "")
@@ -66,7 +76,7 @@ def test_another_parameter_or_system_brings_its_own_range():
         ("sweep_range", (1.0, 1.0), "greater than the first"),
         ("sweep_range", (0.0,), "two numbers"),
         ("sweep_range", 3.0, "two numbers"),
-        ("sweep_range.1", "-9", "between -8 and 4"),
+        ("sweep_range.1", "-9", "between 0.1 and 4"),
         ("sweep_range.0", "abc", "not a number"),
         ("sweep_values", "1", "between 2 and 4,000"),
         ("sweep_values", "10.5", "whole number"),
@@ -116,7 +126,7 @@ def test_each_value_of_a_link_is_judged_by_itself():
         "v=2&sweep_parameter=nowhere&sweep_range=1,0&sweep_values=1e9&sweep_points=33&sweep_of=__x__"
     )
     assert len(complaints) == 4
-    assert complaints[0].endswith("Used instead: the first with bounds.")
+    assert complaints[0].endswith("Used instead: the system’s own.")
     assert settings["sweep_points"] == 33
     assert (settings["sweep_range"], settings["sweep_values"], settings["sweep_of"]) == (None, 400, "")
 
