@@ -21,6 +21,7 @@ from pwsviz.figures.cost_text import (
     Up,
     bottom_of,
     compared_with,
+    cost_details,
     cost_numbers,
     cost_of,
     cost_text,
@@ -45,7 +46,16 @@ from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import printed
 
-__all__ = ["MEANING", "CostView", "compared_with", "cost_numbers", "cost_rows", "cost_text", "timed_how"]
+__all__ = [
+    "MEANING",
+    "CostView",
+    "compared_with",
+    "cost_details",
+    "cost_numbers",
+    "cost_rows",
+    "cost_text",
+    "timed_how",
+]
 
 EXTERNAL_LINES = {
     "scipy": Line(GREY, (6, 3, 1, 3), "square_pin", 1.6),

@@ -150,16 +150,18 @@ def _reach(curve: CostCurve, target: float, across: Across, up: Up) -> tuple[flo
     return float(cost[k]), curve, k
 
 
-def cost_text(study: core.WorkPrecision, across: Across, up: Up) -> str:
-    """Return in words what a study measures, compile times, and what is missing or wrong."""
+def cost_text(study: core.WorkPrecision, up: Up) -> str:
+    """Return in words what is missing or wrong in a study; empty if nothing is."""
     parts = []
     if not any(np.isfinite(error_of(curve, up)).any() for curve in study.curves):
         parts.append(f"There is no {UP[up]} to show: {_why_none(study, up)}.")
-    if across == "evaluations":
-        parts.append(_about_evaluations(study))
-    else:
-        parts.append(f"{timed_how(study)}.")
-    parts += [*_missing(study), _below(study, up), _compiling(study), _comparison(study, up)]
+    return " ".join([*parts, *_missing(study)])
+
+
+def cost_details(study: core.WorkPrecision, across: Across, up: Up) -> str:
+    """Return in words what a study measures, compile times, and which errors are too small to tell."""
+    measured = _about_evaluations(study) if across == "evaluations" else f"{timed_how(study)}."
+    parts = (measured, _below(study, up), _compiling(study), _comparison(study, up))
     return " ".join(filter(None, parts))
 
 

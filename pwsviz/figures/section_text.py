@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from pwsviz.figures.section_prospects import prospects, reset_words
+from pwsviz.figures.section_prospects import reset_words
 from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints
@@ -52,8 +52,7 @@ def section_text(outcome: SectionPoints) -> str:
     after = reset_words(inputs.problem.declaration, inputs.of)
     whose = f" of {len(counts)} starts" if len(counts) > 1 else ""
     words = [f"{plural(sum(counts), 'point')}{whose} on {surface_words(inputs)}{after}; {_integrated(outcome)}."]
-    words += [*_short_ones(outcome), prospects(inputs.problem.declaration, "section")]
-    return " ".join(filter(None, words))
+    return " ".join([*words, *_short_ones(outcome)])
 
 
 def _short_ones(outcome: SectionPoints) -> Iterator[str]:

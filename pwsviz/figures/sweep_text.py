@@ -23,8 +23,17 @@ from pwsviz.text.tables import Numbers
 from pwsviz.text.words import at_surface, plural
 
 __all__ = [
-    "SUMMARY", "coordinate_name", "ending", "parameter_name", "period_of", "stretches", "surface_words", "sweep_how",
-    "sweep_numbers", "sweep_text",
+    "SUMMARY",
+    "coordinate_name",
+    "ending",
+    "parameter_name",
+    "period_of",
+    "stretches",
+    "surface_words",
+    "sweep_details",
+    "sweep_how",
+    "sweep_numbers",
+    "sweep_text",
 ]  # fmt: skip
 
 SUMMARY = "Bifurcation diagram: points that runs leave on a surface, against a parameter"
@@ -97,9 +106,13 @@ def approached(points: Floats, turn: float = math.inf) -> int:
 
 
 def sweep_text(found: Diagram, present: float) -> str:
-    """Return in words what the diagram shows, and what it shows at the current value of the parameter."""
+    """Return in words what the diagram shows at the current value of the parameter, and why it may show little."""
+    return " ".join(filter(None, (_at_present(found, present), _nothing_left(found), _refusal(found))))
+
+
+def sweep_details(found: Diagram) -> str:
+    """Return in words what is plotted, how many values have all their points, and what may be expected of them."""
     inputs = found.inputs
-    declared = inputs.problem.declaration
     done, whole = int(found.done.sum()), int(found.whole.sum())
     words = (
         f"{plural(int(found.counts.sum()), 'point')}: {coordinate_name(inputs)} on {_where(inputs)} "
@@ -110,10 +123,8 @@ def sweep_text(found: Diagram, present: float) -> str:
         words += f" {found_all} every value."
     elif done:
         words += f" {found_all} {f'{whole:,}' if whole else 'none'} of the {plural(done, 'value')}."
-    hope = prospects(declared, "sweep") if found.counts.any() or not done else ""
-    hope = hope or examples_of("sweep") * (2 * whole < done)
-    said = (_at_present(found, present), words, _nothing_left(found), _refusal(found), hope)
-    return " ".join(filter(None, said))
+    hope = prospects(inputs.problem.declaration, "sweep") if found.counts.any() or not done else ""
+    return f"{words} {hope or examples_of('sweep') * (2 * whole < done)}".strip()
 
 
 def _at_present(found: Diagram, present: float) -> str:

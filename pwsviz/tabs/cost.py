@@ -11,7 +11,16 @@ import panel as pn
 import core
 from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
-from pwsviz.figures.cost import MEANING, CostView, compared_with, cost_numbers, cost_rows, cost_text, timed_how
+from pwsviz.figures.cost import (
+    MEANING,
+    CostView,
+    compared_with,
+    cost_details,
+    cost_numbers,
+    cost_rows,
+    cost_text,
+    timed_how,
+)
 from pwsviz.figures.cost_text import lies_below, missing_text, settings_text, shows_round_off
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS, met_at_surfaces
@@ -70,8 +79,12 @@ class CostTab(LongTab):
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         across, up = self.scene.cost_across, self.scene.cost_up
         self.view.show(outcome, across, up)
-        words = cost_text(outcome, across, up), counted(self.scene), self._about_crossings(outcome)
-        return " ".join(filter(None, words))
+        return cost_text(outcome, up)
+
+    def details(self, outcome: core.WorkPrecision) -> str:
+        """Return what is measured and how, and what runs do at crossings if that is unusual."""
+        measured = cost_details(outcome, self.scene.cost_across, self.scene.cost_up)
+        return " ".join(filter(None, (measured, counted(self.scene), self._about_crossings(outcome))))
 
     def _about_crossings(self, outcome: core.WorkPrecision) -> str:
         """Say what integrators and external solvers do at crossings, if that is unusual."""

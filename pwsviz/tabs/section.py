@@ -14,6 +14,7 @@ from bokeh.plotting import figure
 from pwsviz.export.files import Table
 from pwsviz.export.script import section_program
 from pwsviz.figures.section import SectionView
+from pwsviz.figures.section_prospects import prospects
 from pwsviz.figures.section_text import section_how, section_rows, section_text
 from pwsviz.geometry.projection import surface_texts
 from pwsviz.geometry.section_crossings import is_one_way
@@ -186,7 +187,12 @@ class SectionTab(LongTab):
         self.view.show(outcome, self.plane, self.scene.section_map)
         if outcome.inputs.starts != self._placed:
             self.note.object = as_text(self._hint(), "about")
-        return f"{section_text(outcome)} {about_crossings(self.scene, locates=True)}".strip()
+        return section_text(outcome)
+
+    def details(self, outcome: SectionPoints) -> str:
+        """Return what may be expected of the points, and what the runs do at crossings if that is unusual."""
+        hope = prospects(outcome.inputs.problem.declaration, "section")
+        return f"{hope} {about_crossings(self.scene, locates=True)}".strip()
 
     def _hint(self) -> str:
         system, scene = self.scene.declaration, self.scene

@@ -14,7 +14,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.script import sweep_program
 from pwsviz.export.tables import sweep_tables
 from pwsviz.figures.sweep import SweepView
-from pwsviz.figures.sweep_text import parameter_name, sweep_how, sweep_numbers, sweep_text
+from pwsviz.figures.sweep_text import parameter_name, sweep_details, sweep_how, sweep_numbers, sweep_text
 from pwsviz.geometry.window import Window
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import Diagram
@@ -70,7 +70,11 @@ class SweepTab(LongTab):
         self.view.show(outcome)
         self.view.mark(present, parameter_name(outcome.inputs))
         self._place.visible = bool(outcome.counts.any())
-        return f"{sweep_text(outcome, present)} {about_crossings(self.scene, locates=True)}".strip()
+        return sweep_text(outcome, present)
+
+    def details(self, outcome: Diagram) -> str:
+        """Return what is plotted, and what the runs do at crossings if that is unusual."""
+        return f"{sweep_details(outcome)} {about_crossings(self.scene, locates=True)}".strip()
 
     def pictures(self) -> list[figure]:
         """Return the diagram, if there is one, painted finely enough for print."""

@@ -9,7 +9,7 @@ import pytest
 import core
 from core.interface import processor
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
-from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_numbers, cost_rows, cost_text
+from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_details, cost_numbers, cost_rows, cost_text
 from pwsviz.figures.cost_text import missing_text, settings_text, shows_round_off
 from pwsviz.figures.lines import line_of
 from pwsviz.figures.style import BELOW_RANGE
@@ -130,11 +130,11 @@ def test_errors_of_zero_and_below_the_plot_are_marked_on_its_lower_end_and_told_
     assert view.corners.data["y"][0] < bottom < level
     assert view.levels.names.args["names"][1] == BELOW_RANGE
     told = "Errors of 0 or below the plot’s range, drawn as downward triangles: prk8, τ = 0.0316 and 1 other value."
-    assert told in cost_text(study(faint), "seconds", "state")
+    assert told in cost_details(study(faint), "seconds", "state")
     view.show(BOTH, "seconds", "state")
     assert view.levels.ticker.ticks[1] < 1e-99
     assert not view.below.data["x"]
-    assert "downward" not in cost_text(BOTH, "seconds", "state")
+    assert "downward" not in cost_details(BOTH, "seconds", "state")
 
 
 def test_the_setting_is_told_on_a_point():
@@ -173,7 +173,7 @@ def test_a_study_with_nothing_in_it_yet_can_be_drawn():
     view = CostView()
     view.show(study(nothing), "seconds", "state")
     assert view.points.data["x"] == []
-    assert "no run has reached the end" in cost_text(study(nothing), "seconds", "state")
+    assert "no run has reached the end" in cost_text(study(nothing), "state")
     assert cost_numbers(study(nothing), "seconds", "state").rows == ()
 
 
@@ -194,7 +194,7 @@ def test_the_table_names_the_cheapest_of_ours_and_of_the_external_solvers():
         ("10⁻⁶", "dmm2, τ = 0.01", "10\u00a0ms", "SciPy DOP853, tolerance = 0.0316", "20\u00a0ms"),
         ("10⁻⁹", "–", "–", "SciPy DOP853, tolerance = 0.01", "30\u00a0ms"),
     )
-    words = cost_text(BOTH, "seconds", "state")
+    words = cost_details(BOTH, "seconds", "state")
     assert "a curve may level off above that" in words
     assert "Compile/load time (not included): dmm2 250 ms and SciPy DOP853 250 ms." in words
     assert "exact (linear flow)" in words
@@ -213,9 +213,9 @@ def test_words_say_what_a_run_time_is_where_it_was_measured_and_whose_field_is_n
     how = "processor time of one thread, excluding compilation (the shortest of 3 runs)"
     measured = f"Run time is the {how[:-1]}; {processor()})"
     slow = "; SciPy DOP853 evaluates the field in Python, whereas the others use compiled code."
-    assert f"{measured}{slow}" in cost_text(BOTH, "seconds", "state")
-    assert f"{measured}. " in cost_text(study(DMM2, curve("heyoka", [1e-3], [1e-3])), "seconds", "state")
-    assert "Run time" not in cost_text(BOTH, "evaluations", "state")
+    assert f"{measured}{slow}" in cost_details(BOTH, "seconds", "state")
+    assert f"{measured}. " in cost_details(study(DMM2, curve("heyoka", [1e-3], [1e-3])), "seconds", "state")
+    assert "Run time" not in cost_details(BOTH, "evaluations", "state")
 
 
 def test_a_run_with_other_crossings_never_wins_and_is_drawn_hollow():
@@ -236,7 +236,7 @@ def test_evaluations_are_counted_where_these_are_shown():
     silent = curve("heyoka", [1e-9], [1e-12], evaluations=np.array([math.nan]))
     table = cost_numbers(study(DMM2, silent), "evaluations", "state")
     assert table.rows[0] == ("10⁻³", "dmm2, τ = 0.0316", "1,000 evaluations", "–", "–")
-    assert "heyoka does not count its evaluations." in cost_text(study(DMM2, silent), "evaluations", "state")
+    assert "heyoka does not count its evaluations." in cost_details(study(DMM2, silent), "evaluations", "state")
 
 
 def test_words_say_what_is_missing_and_why():
@@ -246,7 +246,7 @@ def test_words_say_what_is_missing_and_why():
     gone = curve("heyoka", [math.nan], [math.nan], status=("heyoka is not installed",))
     off = curve("rk2", [1e-3], [1.0], status=("7 crossings instead of 8",), correct_sequence=np.array([False]))
     rest = curve("dmm4", [math.nan] * 2, [math.nan] * 2, status=(WAITING, CANCELLED))
-    words = cost_text(study(late, gone, off, rest), "seconds", "state")
+    words = cost_text(study(late, gone, off, rest), "state")
     assert "rk4, τ = 0.0316 and 1 other value: takes too long." in words
     assert "heyoka: heyoka is not installed." in words
     assert "rk2: the sequence of crossings differs from that of the solution, which has 8 crossings (open sy" in words
@@ -256,8 +256,8 @@ def test_words_say_what_is_missing_and_why():
 
 def test_words_say_why_there_is_no_error_of_psi_or_of_a_crossing():
     bare = curve("rk4", [1e-3], [1e-3], invariant_error=np.array([math.nan]), time_error=np.array([math.nan]))
-    assert "no conserved quantity is known" in cost_text(study(bare), "seconds", "invariant")
-    assert "there is no crossing" in cost_text(study(bare, met=core.Tally()), "seconds", "time")
+    assert "no conserved quantity is known" in cost_text(study(bare), "invariant")
+    assert "there is no crossing" in cost_text(study(bare, met=core.Tally()), "time")
 
 
 def test_a_real_study_is_drawn_and_told():

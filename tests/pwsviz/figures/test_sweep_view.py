@@ -12,6 +12,7 @@ from pwsviz.figures.sweep_text import (
     period_of,
     stretches,
     surface_words,
+    sweep_details,
     sweep_how,
     sweep_numbers,
     sweep_text,
@@ -88,7 +89,8 @@ def test_words_and_table_say_how_many_values_end_how_and_where():
     words = sweep_text(MIXED, -2.9)
     repeat = "the points have period 2, of crossings in both directions."
     assert words.startswith(f"At a₋ = -3, nearest to the chosen value, {repeat}")
-    assert "10 points: x on S for 6 values of a₋ from -3 to 3. The 4 points requested were found for 2" in words
+    plotted = "10 points: x on S for 6 values of a₋ from -3 to 3. The 4 points requested were found for 2"
+    assert sweep_details(MIXED).startswith(plotted)
     rows = {row[0]: row[1:] for row in sweep_numbers(MIXED).rows}
     assert rows == {
         OUTCOMES[Status.ESCAPED].words: ("2", "0 to 1"),
@@ -96,9 +98,9 @@ def test_words_and_table_say_how_many_values_end_how_and_where():
         "no run begins here": ("1", "3"),
     }
     assert sweep_numbers(diagram([LIMIT] * 7)).rows == ()
-    assert "The 4 points requested were found for every value." in sweep_text(diagram([LIMIT] * 7), 9.0)
+    assert "The 4 points requested were found for every value." in sweep_details(diagram([LIMIT] * 7))
     assert "nearest to the chosen value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
-    assert "were found for none of the 7 values." in sweep_text(diagram([DONE] * 7), 0.0)
+    assert "were found for none of the 7 values." in sweep_details(diagram([DONE] * 7))
 
 
 @pytest.mark.parametrize(

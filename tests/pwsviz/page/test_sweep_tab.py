@@ -132,7 +132,8 @@ def test_what_comes_of_a_system_that_has_just_been_left_is_drawn_all_the_same():
     page = opened()
     found = page.view.outcome
     page.scene.accept("system", "chua")
-    assert "of w from" in page.views["sweep"].draw(found)
+    page.views["sweep"].draw(found)
+    assert "of w from" in page.views["sweep"].details(found)
     page.settle(60)
     page.close()
 

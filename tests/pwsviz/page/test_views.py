@@ -111,7 +111,7 @@ def test_a_long_study_can_be_cancelled_and_begun_again(explorer):
     view.on_again()
     assert explorer.settle(60)
     assert view.outcome is not None
-    assert explorer.announcer.view[0].startswith("Cost: finished. Run time is ")
+    assert explorer.announcer.view[0].startswith("Cost: finished.")
     assert not view.progress.busy
 
 
