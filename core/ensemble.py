@@ -38,6 +38,8 @@ __all__ = [
 MOST = 10**12
 #: Most parts into which the members are divided, for progress and for the threads to end together.
 _PARTS = 128
+#: Most steps of a member that are made again to be looked into: they take up to a second.
+_MOST_MADE_AGAIN = 2_000_000
 #: Least members of a part: a part takes some 0.1 ms of Python.
 _LEAST = 16
 #: Members whose steps are looked into for a message, of those whose rates change most, and of all.
@@ -157,7 +159,7 @@ class Ensemble:
         """How the members ended, and a warning where one of them has steps that are too long, as its own run says it.
 
         Looked into are those members of which the loop has seen the rates change most from step to step, and some
-        others. It is worked out when it is first read.
+        others, each for two million steps at most. It is worked out when it is first read.
         """
         ends = ", ".join(f"{count} {status.name}" for status, count in self.outcomes.items())
         told = next(filter(None, map(self.warning, self._doubtful)), "")
@@ -167,7 +169,7 @@ class Ensemble:
         """What the run of a member warns of, with its number in front; empty where there is nothing to warn of."""
         if self.status[member] == Status.CANCELLED:
             return ""
-        runner = self.members.runner(member)
+        runner = self.members.runner(member, max_steps=_MOST_MADE_AGAIN)
         runner.advance(float(self.t[member]), keep_hits=False)
         told = run_warning(trajectory_of(runner, "end", False, None, run_warning))
         runner.release()

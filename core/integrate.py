@@ -94,8 +94,9 @@ def integrate(
         p and c: every crossing time is moved, t̂ ← t̂ + c·τᵖ, and the step to it solved anew. p = None: no perturbation.
     record
         "steps": every step; "crossings": first and last state, and the crossings; "end": first and last state only.
-        `message` warns of a single step that leads elsewhere than shorter ones: with "steps" wherever it lies, else if
-        there is none of 128 steps before and after it in which a surface is met.
+        `message` judges the first 50,000 steps whatever is recorded; they are made again if need be. Of a single later
+        step that leads elsewhere than shorter ones it warns with "steps" wherever it lies, else if there is none of 128
+        steps before and after it in which a surface is met.
     max_crossings, max_steps
         Numbers of crossings and of steps after which the run stops. Where not given: 5·10⁶ crossings, or 10⁹ with
         record="end"; 10⁷ steps where every step is recorded, else 10⁹.

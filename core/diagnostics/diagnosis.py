@@ -20,6 +20,7 @@ from core.diagnostics.constants import (
 )
 from core.diagnostics.corners import slid_into_corners, undecided_corners
 from core.diagnostics.encounters import Encounters, encounters
+from core.diagnostics.made_again import with_steps
 from core.diagnostics.near_touches import near_touches
 from core.diagnostics.resolution import resolvable, unresolved
 from core.diagnostics.scheme import Scheme
@@ -135,10 +136,16 @@ def step_warning(run: Trajectory) -> str:
     The first of `cancelled`: the terms of a law cancel; else of `unresolved`: steps too long for g or for the field;
     else that of `undecided_corners`, of
     `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, or of `Diagnosis.warnings` from the
-    first 256 crossings.
+    first 256 crossings. A run that has not recorded its steps is judged by its first steps, made again, and if these
+    are not all and nothing is said of them, by what it has recorded.
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
+    again = with_steps(run)
+    return _warning(again) or (_warning(run) if again.steps < run.steps else "")
+
+
+def _warning(run: Trajectory) -> str:
     judged = run.crossings.first(min(_FIRST, _judged(run)))
     doubts = (undecided_corners(run), slid_into_corners(run), near_touches(run), slow_crossings(run, judged))
     warnings = tuple(cancelled(run)) or unresolved(run) or tuple(islice(chain(*doubts, amplified(run)), 1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from core.integration.outcome import cause_of
 from core.integration.recorded import Entry, Once, Point, states_of
 from core.integration.recording import Sampler
 from core.integration.run import Run
+from core.integration.run_settings import Asked
 from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
 
@@ -53,6 +55,7 @@ def trajectory_of(
         "cause": cause_of(run),
         "envelope": _envelope(run.envelope) if len(run.envelope) else None,
         "warn": warn,
+        "asked": _asked(run),
         "record": record,
         "tolerance": settings.tolerance if adaptive else math.nan,
         "samples": run.samples,
@@ -61,6 +64,12 @@ def trajectory_of(
         "slides": settings.slides,
         "events": run.log.events(),
     })  # fmt: skip
+
+
+def _asked(run: Run) -> Asked:
+    """What a run was asked for, without the function by which it can be cancelled, which no file can hold."""
+    settings = run.settings if run.settings.cancel is None else replace(run.settings, cancel=None)
+    return Asked(run.t0, run.start, run.t_end, settings)
 
 
 def _envelope(found: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -131,9 +132,12 @@ class Members:
         own = {name: getattr(self, name)[which] for name in ("tau", "shift", "x", "p")}
         return replace(self, places=places, **own)
 
-    def runner(self, k: int, cancel: Callable[[], bool] | None = None) -> Runner:
-        """Make a run of a member, by its number."""
-        settings = replace(self.settings, tau=float(self.tau[k]), shift=float(self.shift[k]), cancel=cancel)
+    def runner(self, k: int, cancel: Callable[[], bool] | None = None, max_steps: int = sys.maxsize) -> Runner:
+        """Make a run of a member, by its number, which takes no more steps than all may, and than these."""
+        settings = replace(
+            self.settings, tau=float(self.tau[k]), shift=float(self.shift[k]), cancel=cancel,
+            max_steps=min(self.settings.max_steps, max_steps),
+        )  # fmt: skip
         return Runner(self.one(k), self.method, self.t_span[0], tuple(self.x[k].tolist()), settings)
 
     def one(self, k: int) -> PiecewiseSystem:

@@ -32,8 +32,8 @@ __all__ = ["AT_SURFACE", "Run"]
 #: Results of a run that stops at a surface.
 AT_SURFACE = (Status.SLIDING, Status.REPELLING, Status.GRAZING, Status.CORNER, Status.UNDECLARED)
 #: Places of the fields of the record that are read or written for every run.
-_T, _T_CARRY, _TAU, _LONGEST, _MODE, _FIRST_MODE, _ROW, _GUARD = (
-    FIELDS[name] for name in ("t", "t_carry", "tau", "longest", "mode", "first_mode", "row", "guard")
+_T, _T_CARRY, _T_END, _TAU, _LONGEST, _MODE, _FIRST_MODE, _ROW, _GUARD = (
+    FIELDS[name] for name in ("t", "t_carry", "t_end", "tau", "longest", "mode", "first_mode", "row", "guard")
 )
 _STEPS, _EVALUATIONS, _CROSSINGS, _SAMPLES, _PASSES, _MAX_CROSSINGS, _MAX_EVENTS = (
     FIELDS[name] for name in ("steps", "evaluations", "crossings", "samples", "passes", "max_crossings", "max_events")
@@ -112,6 +112,11 @@ class Run:
     def direction(self) -> float:
         """Positive where time runs on, negative where it runs back, 0 before the run is advanced."""
         return self.reals[_TAU]
+
+    @property
+    def t_end(self) -> float:
+        """Time to which the run has been asked to go."""
+        return self.reals[_T_END]
 
     @property
     def t(self) -> float:

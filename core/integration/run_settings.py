@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from core.integration.events import NOTHING, Watched
 
-__all__ = ["Settings"]
+__all__ = ["Asked", "Settings"]
 
 
 @dataclass(frozen=True)
@@ -31,3 +32,12 @@ class Settings:
     events: Watched = NOTHING
     """The events to be found."""
     cancel: Callable[[], bool] | None = None
+
+
+class Asked(NamedTuple):
+    """What a run was asked for, besides its system and its method."""
+
+    t0: float
+    x0: tuple[float, ...]
+    t_end: float
+    settings: Settings

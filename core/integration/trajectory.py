@@ -17,6 +17,7 @@ from core.integration.crossings import Crossings, Integers, side_columns, with_c
 from core.integration.events import Events
 from core.integration.outcome import Cause, Ending, outcome, reason
 from core.integration.recorded import Entry, Once, Point, States, distinct
+from core.integration.run_settings import Asked
 from core.integration.tally import Tally, kinds_of
 from core.interface.arguments import numbers
 from core.kernels.arrays import Floats
@@ -65,6 +66,8 @@ class Trajectory:
     ψ of the mode occupied less its value where that mode was entered, evaluated in double-double."""
     warn: Callable[[Trajectory], str] = field(default=_nothing, repr=False, compare=False)
     """Gives the warnings of the theory about the step size of a run, evaluated when `message` is read."""
+    asked: Asked | None = field(default=None, repr=False, compare=False)
+    """What it was asked for, by which its steps can be made again."""
     record: str = "steps"
     """Which states are recorded: "steps", "crossings", "end", or "t_eval" for those at given times."""
     tolerance: float = math.nan

@@ -17,7 +17,7 @@ from pwsviz.scene.names import met_at_surfaces, readable
 from pwsviz.text.advice import on_page
 from pwsviz.text.words import at_surface, listed, plural
 
-__all__ = ["section_how", "section_rows", "section_text", "surface_words"]
+__all__ = ["section_how", "section_rows", "section_text", "section_warnings", "surface_words"]
 
 _WAYS = {0: "crossed in both directions", 1: "crossed upwards", -1: "crossed downwards"}
 _NO_ZERO = {0: "change sign", 1: "rise through zero", -1: "fall through zero"}
@@ -55,6 +55,15 @@ def section_text(outcome: SectionPoints) -> str:
     return " ".join([*words, *_short_ones(outcome)])
 
 
+def section_warnings(outcome: SectionPoints) -> list[str]:
+    """Return what is said against the step size, each with the starts of whose runs it is said."""
+    starts: dict[str, list[int]] = {}
+    for k, words in enumerate(outcome.warnings):
+        starts.setdefault(words, []).append(k)
+    several = len(outcome.warnings) > 1
+    return [f"{f'{_called(which)}: ' * several}{words}" for words, which in starts.items() if words]
+
+
 def _short_ones(outcome: SectionPoints) -> Iterator[str]:
     """Yield which starts have all points requested, if others do not, and when and why the runs of these ended."""
     counts, points = outcome.counts, outcome.inputs.points
@@ -80,7 +89,7 @@ def _number(count: int) -> str:
 def _ended(outcome: SectionPoints, reason: str, which: list[int]) -> str:
     """Say of some starts, all with points or all without, that their runs ended early, and why."""
     inputs, counts = outcome.inputs, [outcome.counts[k] for k in which]
-    names, by = listed([str(k + 1) for k in which]), f" by t = {outcome.ends[which[0]]:.6g}" * (len(which) == 1)
+    by = f" by t = {outcome.ends[which[0]]:.6g}" * (len(which) == 1)
     found = f"{', '.join(f'{count:,}' for count in counts)} point{'s' * (counts != [1])}{by}"
     if len(which) == 1 and counts[0]:
         last, end = outcome.of_start(which[0]).t[-1], outcome.ends[which[0]]
@@ -92,12 +101,12 @@ def _ended(outcome: SectionPoints, reason: str, which: list[int]) -> str:
         found = f"no point{by}"
         if not inputs.discard:
             reason = f"{'h' if inputs.of else 'g'} does not {_NO_ZERO[inputs.direction]} on the way; {reason}"
-    who = _named(which, names) if len(outcome.statuses) > 1 else "The run has"
+    who = f"{_called(which)} {'has' if len(which) == 1 else 'have'}" if len(outcome.statuses) > 1 else "The run has"
     return f"{who} ended with {found}: {reason}."
 
 
-def _named(which: list[int], names: str) -> str:
-    return f"Start {names} has" if len(which) == 1 else f"Starts {names} have"
+def _called(which: list[int]) -> str:
+    return f"Start{'s' * (len(which) > 1)} {listed([str(k + 1) for k in which])}"
 
 
 def section_how(outcome: SectionPoints) -> str:

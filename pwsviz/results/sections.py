@@ -14,6 +14,7 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.resting import ROUND_OFF, first_at_rest
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
+from pwsviz.text.advice import on_page
 
 __all__ = ["HORIZON", "SectionPoints", "SectionPortion", "section_arguments", "studied_section"]
 
@@ -66,6 +67,8 @@ class SectionPoints:
     """Time that the run of each start has reached, or at which it has come to rest."""
     at_rest: frozenset[int] = frozenset()
     """Indices of the starts whose motion has come to rest; points from then on are left out."""
+    warnings: tuple[str, ...] = ()
+    """What is said against the steps of the run of each start, once all are done; empty where nothing is."""
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -115,6 +118,7 @@ def studied_section(inputs: SectionInputs, pool: Executor, cancel: Cancel, repor
     _require_room(inputs)
     system, count = inputs.problem.build(), len(inputs.starts)
     found = SectionPoints(inputs, (), (None,) * count, (0.0,) * count)
+    last: dict[int, core.Section] = {}
 
     def run(start: int, points: int) -> core.Section:
         if cancel():
@@ -127,14 +131,22 @@ def studied_section(inputs: SectionInputs, pool: Executor, cancel: Cancel, repor
         under_way = {pool.submit(run, k, points): k for k in going}
         try:
             for future in as_completed(under_way):
-                section = future.result()
+                section = last[under_way[future]] = future.result()
                 if not cancel():
                     found = _extended(found, under_way[future], section, points)
                     report(sum(found.counts), inputs.points * count, found)
         finally:
             for future in under_way:
                 future.cancel()
-    return found
+    if cancel():
+        return found
+    return replace(found, warnings=tuple(pool.map(_warning, (last[k] for k in range(count)))))
+
+
+def _warning(section: core.Section) -> str:
+    """Return what is said against the steps of the run of a start."""
+    system = section.ensemble.system
+    return on_page(section.ensemble.warning(0).removeprefix("Member 0: "), system.variables)
 
 
 def _rounds(points: int, discard: int) -> list[int]:

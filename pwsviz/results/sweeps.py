@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from time import monotonic
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,10 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_plane import in_first_turn
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.resting import ROUND_OFF
+from pwsviz.scene.names import short_name
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
+from pwsviz.text.advice import on_page
 
 __all__ = ["NO_START", "Diagram", "coarse_to_fine", "sweep_arguments", "swept", "swept_values"]
 
@@ -31,6 +33,9 @@ COARSE = 16
 
 FEWEST = 16
 """Least values of a portion: fewer would not occupy a processor for long enough."""
+
+LOOKED_INTO = 4
+"""Runs of a diagram of which it is examined whether their steps are too long: it takes as long as many a run."""
 
 PORTION = 0.5
 """Seconds that a portion should take, after which it is drawn."""
@@ -53,6 +58,8 @@ class Diagram:
     Of an angle, full turns are left out."""
     refusal: str = ""
     """Why the first of the values at which no run can begin has none."""
+    warning: str = ""
+    """What is said against the steps of a run, of those in which rates change most, once all are done."""
 
     @property
     def done(self) -> NDArray[np.bool_]:
@@ -132,7 +139,7 @@ def swept(inputs: SweepInputs, pool: Executor, cancel: Cancel, report: Report) -
         report(int(found.done.sum()), len(values), found)
     if (found.outcomes == NO_START).all():
         raise ValueError(found.refusal)
-    return found
+    return replace(found, warning=runs.warning())
 
 
 def _portions(inputs: SweepInputs, count: int) -> Iterator[NDArray[np.intp]]:
@@ -147,6 +154,17 @@ def _portions(inputs: SweepInputs, count: int) -> Iterator[NDArray[np.intp]]:
         size = max(round(size * min(2.0, PORTION / (monotonic() - started))), least)
 
 
+class _Doubt(NamedTuple):
+    """A run whose steps may be too long."""
+
+    change: float
+    """Largest change of a rate from step to step, relative to the largest rate."""
+    ensemble: core.Ensemble
+    member: int
+    value: float
+    """Value of the parameter."""
+
+
 class _Runs:
     """The runs of one diagram."""
 
@@ -154,7 +172,9 @@ class _Runs:
         self.inputs = inputs
         self._pool, self._cancel, self._report = pool, cancel, report
         self._system, self._arguments = inputs.problem.build(), sweep_arguments(inputs)
+        self._parameter = next(q for q in self._system.parameters if q.name == inputs.parameter)
         self._after: core.Sweep | None = None  # of a continuation
+        self._worst: list[_Doubt] = []
         self._sweep(np.empty(0), lambda _part: None)  # refuses what makes no sense at any value
 
     def extended(self, found: Diagram, numbers: NDArray[np.intp]) -> Diagram:
@@ -175,6 +195,25 @@ class _Runs:
             found = self.extended(found, numbers[k : k + 1])
         return found
 
+    def warning(self) -> str:
+        """Return what is said against the steps of the first of those runs that are most in doubt; empty if nothing."""
+        told = self._pool.map(lambda doubt: doubt.ensemble.warning(doubt.member), self._worst)
+        for doubt, words in zip(self._worst, told, strict=True):
+            if words:
+                says = on_page(words.removeprefix(f"Member {doubt.member}: "), self._system.variables)
+                return f"{short_name(self._parameter)} = {doubt.value:.6g}: {says}"
+        return ""
+
+    def _keep_worst(self, part: core.Sweep) -> None:
+        """Keep the runs in which rates change most from step to step."""
+        doubts = list(self._worst)
+        firsts = np.cumsum([0, *map(len, part.ensembles)])
+        for first, one in zip(firsts.tolist(), part.ensembles, strict=False):
+            change = np.nan_to_num(one.unlike)
+            most = np.argsort(-change, kind="stable")[:LOOKED_INTO].tolist()
+            doubts += [_Doubt(float(change[k]), one, k, float(part.values[first + k])) for k in most]
+        self._worst = sorted(doubts, key=lambda doubt: -doubt.change)[:LOOKED_INTO]
+
     def _sweep(self, values: Floats, tell: Callable[[float], None]) -> core.Sweep:
         inputs = self.inputs
         done = core.sweep(
@@ -188,6 +227,7 @@ class _Runs:
     def _with(self, found: Diagram, numbers: NDArray[np.intp], part: core.Sweep) -> Diagram:
         outcomes, counts = found.outcomes.copy(), found.counts.copy()
         outcomes[numbers] = part.statuses
+        self._keep_worst(part)
         points = in_first_turn(self._system, self.inputs.column, part.points)
         at, each = np.unique(part.value, return_counts=True)
         counts[np.searchsorted(found.values, at)] = each

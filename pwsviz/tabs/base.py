@@ -93,6 +93,10 @@ class Tab(pn.viewable.Viewer):
         """Return in words how a result was made and what its terms mean, for a paler paragraph; none by default."""
         return ""
 
+    def warnings(self, outcome: Outcome) -> Sequence[str]:
+        """Return what is said against the step size of the runs; nothing by default."""
+        return ()
+
     def numbers(self, outcome: Outcome) -> Sequence[Numbers]:
         """Return the figures of a whole or partial result as tables, shown below the plot; none by default."""
         return ()
@@ -214,9 +218,10 @@ class Tab(pn.viewable.Viewer):
         self._hide([])
         self.said = words = self.draw(outcome)
         details = self.details(outcome)
-        tables = "".join(map(table_markup, self.numbers(outcome)))
-        self._say(tables + as_text(words) + as_text(details, "about"))
-        self._describe(f"{words} {details}".strip())
+        tables, warnings = "".join(map(table_markup, self.numbers(outcome))), self.warnings(outcome)
+        warned = "".join(as_text(one, "stopped") for one in warnings)
+        self._say(tables + as_text(words) + warned + as_text(details, "about"))
+        self._describe(" ".join(filter(None, (words, *warnings, details))))
 
     def _describe(self, words: str) -> None:
         """Give screen readers the summary of each figure, and the words below it."""

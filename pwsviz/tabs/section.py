@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -15,7 +16,7 @@ from pwsviz.export.files import Table
 from pwsviz.export.script import section_program
 from pwsviz.figures.section import SectionView
 from pwsviz.figures.section_prospects import prospects
-from pwsviz.figures.section_text import section_how, section_rows, section_text
+from pwsviz.figures.section_text import section_how, section_rows, section_text, section_warnings
 from pwsviz.geometry.projection import surface_texts
 from pwsviz.geometry.section_crossings import is_one_way
 from pwsviz.geometry.section_plane import (
@@ -188,6 +189,10 @@ class SectionTab(LongTab):
         if outcome.inputs.starts != self._placed:
             self.note.object = as_text(self._hint(), "about")
         return section_text(outcome)
+
+    def warnings(self, outcome: SectionPoints) -> Sequence[str]:
+        """Return what is said against the step size."""
+        return section_warnings(outcome)
 
     def details(self, outcome: SectionPoints) -> str:
         """Return what may be expected of the points, and what the runs do at crossings if that is unusual."""

@@ -76,6 +76,10 @@ class SweepTab(LongTab):
         """Return what is plotted, and what the runs do at crossings if that is unusual."""
         return f"{sweep_details(outcome)} {about_crossings(self.scene, locates=True)}".strip()
 
+    def warnings(self, outcome: Diagram) -> Sequence[str]:
+        """Return what is said against the step size."""
+        return [outcome.warning] if outcome.warning else []
+
     def pictures(self) -> list[figure]:
         """Return the diagram, if there is one, painted finely enough for print."""
         if self.view is None or not self._place.visible:
