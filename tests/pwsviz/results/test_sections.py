@@ -7,7 +7,7 @@ import pytest
 
 import core
 from core import Status
-from pwsviz.figures.section_text import section_text
+from pwsviz.figures.section_text import section_text, section_warnings
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.results import Results
 from pwsviz.results.sections import FIRST, section_arguments, studied_section
@@ -125,3 +125,12 @@ def test_a_cycle_and_a_forced_motion_never_rest(pool):
     for system in ("stick_slip", "moving_interface"):
         made = scene(system, methods=["rk4"], section_points=300)
         assert not studied_section(SectionInputs.of_scene(made), pool, never, silent).at_rest
+
+
+def test_steps_that_are_too_long_are_told_of_each_start(pool):
+    starts = ((-1.0, -1.0), (-1.2, 0.0))
+    for tau, told in ((0.2, True), (0.01, False)):
+        inputs = SectionInputs.of_scene(scene("elliptic_curve", starts=starts, tau=tau, section_points=300))
+        warnings = section_warnings(studied_section(inputs, pool, never, silent))
+        assert any("too long for this field" in words for words in warnings) is told
+        assert all(words.startswith("Start") and "τ" in words for words in warnings)

@@ -186,3 +186,12 @@ def test_an_angle_loses_full_turns_so_that_a_periodic_bounce_has_one_phase():
     assert len(phases) > 1
     assert 0.0 <= phases.min() <= phases.max() < 2 * np.pi
     assert period_of(phases, 1.0) == 1
+
+
+@pytest.mark.parametrize("continuation", ["none", "up"])
+def test_steps_that_are_too_long_are_told_with_the_value_of_the_parameter(continuation):
+    for tau, told in ((0.2, True), (0.002, False)):
+        scene = Scene(tau=tau, sweep_values=12, sweep_continuation=continuation, sweep_end=100.0)
+        warning = diagram(scene).warning
+        assert warning.startswith("r = ") is told
+        assert ("too long for this field" in warning) is told, warning
