@@ -71,7 +71,10 @@ class TaylorSolution:
 
     @property
     def error(self) -> float:
-        """Largest difference of the two runs, in states and in times of crossings, of all that was asked for so far."""
+        """Largest difference of the two runs, in states and in times of crossings, of all that was asked for so far.
+
+        It is no less than what rounding the time and the state does, which changes both runs alike.
+        """
         return self._error
 
     @property
@@ -84,8 +87,9 @@ class TaylorSolution:
         if k < 1:
             raise ValueError(f"crossing must be at least 1, not {k}")
         (fine, coarse) = (path.crossings(k) for path in (self._fine, self._coarse))
-        self._compare(np.append(fine.x[k - 1], fine.t[k - 1]), np.append(coarse.x[k - 1], coarse.t[k - 1]))
-        return float(fine.t[k - 1]), fine.x[k - 1].copy()
+        t, x, mode = float(fine.t[k - 1]), fine.x[k - 1].copy(), int(fine.mode[k - 1])
+        self._compare(np.append(x, t), np.append(coarse.x[k - 1], coarse.t[k - 1]), self._rounding(t, x, mode))
+        return t, x
 
     def after(self, k: int) -> NDArray[np.float64]:
         """State (d,) from which the solution continues after crossing k: on the surface, or after the jump."""
@@ -102,15 +106,20 @@ class TaylorSolution:
         if not self._t0 <= t < np.inf:
             raise ValueError(f"time must be finite and at least {self._t0:.17g}, not {t}")
         fine, coarse = self._fine.state(t), self._coarse.state(t)
-        self._compare(fine, coarse)
+        self._compare(fine, coarse, self._rounding(t, fine, self._fine.mode(t)))
         return fine
 
     def side(self, t: float) -> int:
         """Side, −1 or +1, occupied at time t ≥ t0; 0 while sliding. Of several surfaces the number of the mode."""
-        return self._fine.side(t)
+        return self._system.laws.label(self._fine.mode(t))
 
-    def _compare(self, fine: NDArray[np.float64], coarse: NDArray[np.float64]) -> None:
-        self._error = max(self._error, float(np.abs(fine - coarse).max()))
+    def _compare(self, fine: NDArray[np.float64], coarse: NDArray[np.float64], rounding: float) -> None:
+        self._error = max(self._error, rounding, float(np.abs(fine - coarse).max()))
+
+    def _rounding(self, t: float, x: NDArray[np.float64], mode: int) -> float:
+        """Change of time and state by a unit in the last place of either."""
+        speed = 0.0 if mode == NO_MODE else float(np.abs(self._system.field(self._system.laws.name(mode), t, x)).max())
+        return float(np.spacing(abs(t)) * max(1.0, speed) + np.spacing(np.abs(x).max()))
 
 
 class _Snapshot(NamedTuple):
@@ -151,11 +160,10 @@ class _Path:
         """State (d,) at time t."""
         return self._at(t).x
 
-    def side(self, t: float) -> int:
-        """Side occupied at time t."""
+    def mode(self, t: float) -> int:
+        """Number of the mode occupied at time t."""
         mode = self._at(t).mode
-        number = self._runner.first_mode if mode == NO_MODE else mode
-        return self._runner.system.laws.label(number)
+        return self._runner.first_mode if mode == NO_MODE else mode
 
     def _at(self, t: float) -> Runner:
         while self._kept[-1].t < t and not (self.stop is not None and t < self._runner.t):
