@@ -54,6 +54,9 @@ MARGIN = 0.04
 WIDEST = 3.0
 """Ranges of the first integrator that the axis may hold; one that runs off leaves the picture."""
 
+LOWEST_PANEL = 80
+"""Pixels of the height of a panel, at least, without legend and label."""
+
 LEGEND_HEIGHT = 64
 """Pixels of the lowest panel that its legend and the label of its axis take."""
 
@@ -133,8 +136,10 @@ class Panel:
         self.figure.xaxis.axis_label = "time t" if lowest else None
         self.figure.xaxis.major_label_text_alpha = 1.0 if lowest else 0.0
         self.figure.legend.visible = lowest
-        extra = f" + {LEGEND_HEIGHT}px" * (panels > 1) + f" + {ROOM}" if lowest else ""
-        self.figure.styles = {"height": f"calc({HEIGHT} / {panels}{extra})", "flex": "none"}
+        apart = LEGEND_HEIGHT * (panels > 1)
+        extra = f" + {apart}px + {ROOM}" if lowest else ""
+        each = f"max({LOWEST_PANEL}px, ({HEIGHT} - {apart}px) / {panels})"
+        self.figure.styles = {"height": f"calc({each}{extra})", "flex": "none"}
 
     def show(self, k: int, runs: Sequence[StateCurves]) -> None:
         """Draw the k-th coordinate of the runs."""
