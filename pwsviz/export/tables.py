@@ -17,7 +17,7 @@ from pwsviz.geometry.section_plane import angles
 from pwsviz.results.orbits import Orbit
 from pwsviz.results.requests import RunInputs
 from pwsviz.results.results import Pictures, PortraitInputs
-from pwsviz.results.sweeps import NO_START, Diagram
+from pwsviz.results.sweeps import NO_CROSSING, NO_START, Diagram
 
 __all__ = ["MOST_ROWS", "DrawnRun", "conserved_tables", "drawn_runs", "drawn_table", "portrait_tables", "sweep_tables"]
 
@@ -141,7 +141,8 @@ def _ended(code: int, whole: bool) -> str:
     """Return in words how the run of a value ended."""
     if whole:
         return "all points found"
-    return "no run begins here" if code == NO_START else core.Status(code).reason
+    known = {NO_START: "no run begins here", NO_CROSSING: "no crossing up to the end time"}
+    return known.get(code) or core.Status(code).reason
 
 
 def _kept(runs: Sequence[DrawnRun]) -> list[NDArray[np.intp]]:

@@ -16,7 +16,7 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.geometry.section_plane import TURN, angles, coordinate_label
 from pwsviz.results.requests import SweepInputs
-from pwsviz.results.sweeps import NO_START, Diagram
+from pwsviz.results.sweeps import NO_CROSSING, NO_START, Diagram
 from pwsviz.scene.names import met_at_surfaces, readable, short_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
@@ -41,6 +41,9 @@ SUMMARY = "Bifurcation diagram: points that runs leave on a surface, against a p
 
 TOO_FEW = Outcome("fewer points than requested", GREY)
 """Of a run that reaches the end time before it has all its points."""
+
+NEVER = Outcome("no crossing", "#64748b")
+"""Of a run that reaches the end time and has met no surface."""
 
 LONGEST_PERIOD = 64
 """Most points after which those of a value are said to repeat."""
@@ -67,8 +70,8 @@ def ending(code: int) -> Outcome:
     """Return words and colour for how a run ends before it has all its points; `NO_START` if it cannot begin."""
     if code == NO_START:
         return Outcome("no run begins here", "#404040")
-    if code == Status.COMPLETED:
-        return TOO_FEW
+    if code in (Status.COMPLETED, NO_CROSSING):
+        return TOO_FEW if code == Status.COMPLETED else NEVER
     return OUTCOMES.get(code, Outcome(Status(code).reason, GREY))
 
 
@@ -161,7 +164,7 @@ def _refusal(found: Diagram) -> str:
 
 def _nothing_left(found: Diagram) -> str:
     """Say why most values have no point, if all were left out."""
-    none = found.done & (found.counts == 0) & (found.outcomes != NO_START)
+    none = found.done & (found.counts == 0) & ~np.isin(found.outcomes, (NO_START, NO_CROSSING))
     if 2 * none.sum() <= found.done.sum() or not found.inputs.discard:
         return ""
     crossings = plural(found.inputs.discard, "crossing")
@@ -227,7 +230,7 @@ def sweep_numbers(found: Diagram) -> Numbers:
 
 def _words(code: int, inputs: SweepInputs) -> str:
     words = ending(code).words
-    return f"{words} by t = {inputs.t_end:.6g}" if code == Status.COMPLETED else words
+    return f"{words} by t = {inputs.t_end:.6g}" if code in (Status.COMPLETED, NO_CROSSING) else words
 
 
 def _places(values: Floats, found: list[tuple[int, int]]) -> str:

@@ -23,10 +23,13 @@ from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 from pwsviz.text.advice import on_page
 
-__all__ = ["NO_START", "Diagram", "coarse_to_fine", "sweep_arguments", "swept", "swept_values"]
+__all__ = ["NO_CROSSING", "NO_START", "Diagram", "coarse_to_fine", "sweep_arguments", "swept", "swept_values"]
 
 NO_START = -1
 """Outcome of a value at which no run can begin; the others are those of `core.Status`."""
+
+NO_CROSSING = -2
+"""Outcome of a value whose run reaches the end time and meets none of the system's surfaces, where those are asked."""
 
 COARSE = 16
 """Part of the values that come first: every sixteenth one."""
@@ -49,7 +52,7 @@ class Diagram:
     values: Floats
     """(v,) values of the parameter, in increasing order."""
     outcomes: NDArray[np.int64]
-    """(v,) how the run of each ended, a `core.Status` or `NO_START`; RUNNING where it is still to come."""
+    """(v,) how the run of each ended, a `core.Status`, `NO_START` or `NO_CROSSING`; RUNNING where it is to come."""
     counts: NDArray[np.int64]
     """(v,) points of each."""
     portions: tuple[Portion, ...] = ()
@@ -227,6 +230,9 @@ class _Runs:
     def _with(self, found: Diagram, numbers: NDArray[np.intp], part: core.Sweep) -> Diagram:
         outcomes, counts = found.outcomes.copy(), found.counts.copy()
         outcomes[numbers] = part.statuses
+        if not self.inputs.of:
+            crossings = np.concatenate([one.crossing_count for one in part.ensembles])
+            outcomes[numbers[(outcomes[numbers] == Status.COMPLETED) & (crossings == 0)]] = NO_CROSSING
         self._keep_worst(part)
         points = in_first_turn(self._system, self.inputs.column, part.points)
         at, each = np.unique(part.value, return_counts=True)

@@ -1,6 +1,7 @@
 """A bifurcation diagram comes coarse to fine, is that of core.sweep, and agrees with closed forms."""
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,10 +9,10 @@ from scipy.integrate import solve_ivp
 
 import core
 from core import Status
-from pwsviz.figures.sweep_text import period_of
+from pwsviz.figures.sweep_text import period_of, sweep_numbers, sweep_text
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.results import Results
-from pwsviz.results.sweeps import NO_START, coarse_to_fine, sweep_arguments, swept, swept_values
+from pwsviz.results.sweeps import NO_CROSSING, NO_START, coarse_to_fine, sweep_arguments, swept, swept_values
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancelled
@@ -115,7 +116,7 @@ def test_values_at_which_no_run_begins_are_told_and_the_others_drawn(continuatio
     inside = np.abs(found.values) < 0.49
     assert found.whole.tolist() == inside.tolist()
     assert (found.outcomes[found.values > 0.51] == NO_START).all()
-    assert (found.outcomes[found.values < -0.51] == Status.COMPLETED).all()
+    assert (found.outcomes[found.values < -0.51] == NO_CROSSING).all()
     assert "member" not in found.refusal
     assert found.refusal
     value, v = found.sorted_points()
@@ -195,3 +196,19 @@ def test_steps_that_are_too_long_are_told_with_the_value_of_the_parameter(contin
         warning = diagram(scene).warning
         assert warning.startswith("r = ") is told
         assert ("too long for this field" in warning) is told, warning
+
+
+def test_runs_that_meet_no_surface_are_told_from_those_that_meet_it_too_seldom():
+    """Of the elliptic curve with start (−1, −1), against SciPy's DOP853 inside the circle."""
+    found = diagram(Scene(sweep_range=(1.45, 3.0), sweep_values=12, sweep_end=40.0, sweep_discard=3, tau=0.01))
+    orbit = solve_ivp(
+        lambda _, x: (2 * x[1], 3 * x[0] ** 2 - 3), (0.0, 40.0), (-1.0, -1.0), "DOP853", rtol=1e-10, max_step=0.05
+    )
+    farthest = np.hypot(*orbit.y).max()
+    assert ((found.outcomes == NO_CROSSING) == (found.values > farthest)).all()
+    assert 0 < (found.outcomes == NO_CROSSING).sum() < 12
+    never = replace(found, outcomes=np.where(found.counts == 0, NO_CROSSING, found.outcomes))
+    assert "discard fewer" not in sweep_text(never, 1.0)
+    assert ("no crossing by t = 40", f"{(never.outcomes == NO_CROSSING).sum()}") in {
+        row[:2] for row in sweep_numbers(never).rows
+    }
