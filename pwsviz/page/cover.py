@@ -16,7 +16,7 @@ from pwsviz.figures.still import still
 from pwsviz.figures.style import HEIGHT
 from pwsviz.page.help import GREETING, GREETING_CSS
 from pwsviz.results.results import PortraitInputs, Results
-from pwsviz.scene.scene import Scene
+from pwsviz.scene.first import first_scene
 from pwsviz.widgets.browser import CRAMPED, IS_DARK, LOW, NARROW
 
 __all__ = ["COLUMNS", "LEAST", "SIDEBAR_WIDTH", "Cover", "portrait_of_a_fresh_page"]
@@ -127,7 +127,7 @@ MARKUP_OF_THE_PAGE = (
 
 def portrait_of_a_fresh_page(results: Results) -> str:
     """Return the portrait of a fresh page as SVG."""
-    scene = Scene()
+    scene = first_scene()
     pictures = results.pictures(PortraitInputs.of(scene))
     view = PortraitView(*[_unheard] * 5)
     starts = list(map(pictures.plane.place, scene.starts))

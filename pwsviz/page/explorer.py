@@ -28,7 +28,7 @@ from pwsviz.results.results import Results
 from pwsviz.scene.history import History
 from pwsviz.scene.names import named_settings
 from pwsviz.scene.permalink import adopt, query
-from pwsviz.scene.presets import Preset
+from pwsviz.scene.presets import FIRST_LOOK, PRESETS, Preset
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import LongTab, Tab, make_tab
@@ -85,8 +85,9 @@ class Explorer(pn.viewable.Viewer):
         self.scene = scene or Scene()
         self.results = results or RESULTS
         self.notice = text_pane("")
+        self._example: Preset | None = None  # that a page shows which is opened without a link
         if scene is None and pn.state.location is not None:
-            self.adopt(pn.state.location.search)  # before anything is computed
+            self._begin(pn.state.location.search)  # before anything is computed
         self.scheduler, self.history, self.headline = Scheduler(), History(self.scene), Headline(self.scene)
         self.announcer = Announcer(sizing_mode="fixed", width=0, height=0, margin=0)
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
@@ -132,7 +133,7 @@ class Explorer(pn.viewable.Viewer):
     @cached_property
     def sidebar(self) -> Sidebar:
         """The controls."""
-        sidebar = Sidebar(self.scene, self.edit, self._call_with_pictures, self._take_preset)
+        sidebar = Sidebar(self.scene, self.edit, self._call_with_pictures, self._take_preset, self._example)
         sidebar.presets.jscallback(value=f"if (cb_obj.value != '' && {CRAMPED}) {THE_PAGE}.sidebar_open = false")
         return sidebar
 
@@ -309,6 +310,14 @@ class Explorer(pn.viewable.Viewer):
     def _use(self, system: core.PiecewiseSystem) -> None:
         self.scene.use(system)
         self.editing.open = False
+
+    def _begin(self, search: str) -> None:
+        """Show the scene of a link, or without one the first example."""
+        if search not in ("", "?"):
+            self.adopt(search)
+        else:
+            self._example = PRESETS[FIRST_LOOK]
+            self.scene.load(self._example.settings)
 
     def adopt(self, search: str) -> None:
         """Set the scene to what a link describes, and show the complaints about the link."""

@@ -71,11 +71,13 @@ class Sidebar(pn.viewable.Viewer):
         Takes a function that shows changed numbers, and calls it; at once, unless it is better to wait for others.
     on_preset : callable
         Called with an example that has been loaded.
+    example : Preset, optional
+        The example that the scene shows from the beginning.
     """
 
     def __init__(
         self, scene: Scene, on_edit: Callable[[], None], later: Later = at_once,
-        on_preset: Callable[[Preset], None] = lambda _: None,
+        on_preset: Callable[[Preset], None] = lambda _: None, example: Preset | None = None,
     ) -> None:  # fmt: skip
         super().__init__()
         self.scene, self._later, self._on_preset = scene, later, on_preset
@@ -100,6 +102,8 @@ class Sidebar(pn.viewable.Viewer):
         self._sync()
         self._choose()
         self._enable()
+        if example is not None:
+            self._name_example(example)
 
     def _make_examples(self) -> None:
         self.presets = Dropdown(
@@ -110,7 +114,7 @@ class Sidebar(pn.viewable.Viewer):
             css_classes=[CHOOSER],
         )
         self.presets.param.watch(self._load, "value")
-        self._loading = False
+        self._loading = False  # or naming the example that is loaded
         self.preset_note = text_pane(FIRST, "about")
 
     def _make_system(self, on_edit: Callable[[], None]) -> None:
@@ -264,15 +268,22 @@ class Sidebar(pn.viewable.Viewer):
 
     def _load(self, event: Any) -> None:
         """Load a preset, and say what to look at and what to try."""
-        if event.new:
+        if event.new and not self._loading:
             preset = PRESETS[event.new]
             self._loading = True  # its name stays until the scene is another one
             self.scene.load(preset.settings)
             self._loading = False
-            title = f"<p><b>{escape(preset.title)}</b></p>"
-            self.preset_note.object = title + as_text(preset.look, "about") + as_text(preset.try_, "about")
-            self._preset = self.scene.declaration
+            self._name_example(preset)
             self._on_preset(preset)
+
+    def _name_example(self, preset: Preset) -> None:
+        """Name the example that the scene shows, and say what to look at and what to try."""
+        self._loading = True
+        self.presets.value = preset.key
+        self._loading = False
+        title = f"<p><b>{escape(preset.title)}</b></p>"
+        self.preset_note.object = title + as_text(preset.look, "about") + as_text(preset.try_, "about")
+        self._preset = self.scene.declaration
 
     def _leave_example(self, *_: Any) -> None:
         """Name no example once its scene is changed: it can be chosen anew."""

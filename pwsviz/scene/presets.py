@@ -8,7 +8,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-__all__ = ["PRESETS", "Preset"]
+__all__ = ["FIRST_LOOK", "PRESETS", "Preset"]
+
+FIRST_LOOK = "first_look"
+"""Key of the scene of a page that is opened without a link."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,17 @@ _CURVE = {
 #: End times long enough for the 31 crossings of an order study.
 _OSCILLATOR_STUDY = {**_OSCILLATOR, "methods": ["dmm2"], "study_method": "dmm2", "t_end": 80.0}
 _CURVE_STUDY = {**_CURVE, "methods": ["dmm2"], "study_method": "dmm2", "t_end": 32.0}
+
+
+def _first_look() -> tuple[Preset, ...]:
+    return (
+        Preset(
+            FIRST_LOOK, "A first look", "",
+            "Two integrators of order 2: dmm2 keeps ψ to round-off, whereas the trajectory of rk2 spirals outwards.",
+            "Halve τ: |Δψ| of rk2 falls about ninefold. Then drag the star, open Order, or choose another example.",
+            {**_CURVE, "tau": 0.08, "view": "conserved"},
+        ),
+    )  # fmt: skip
 
 
 def _field_types() -> tuple[Preset, ...]:
@@ -303,8 +317,8 @@ def _frozen(preset: Preset) -> Preset:
 PRESETS: Mapping[str, Preset] = MappingProxyType({
     preset.key: _frozen(preset)
     for group in (
-        _conserved, _portraits, _field_types, _time_errors, _transitions, _stopping, _comparisons, _several_surfaces,
-        _sections, _sweeps,
+        _first_look, _conserved, _portraits, _field_types, _time_errors, _transitions, _stopping, _comparisons,
+        _several_surfaces, _sections, _sweeps,
     )
     for preset in group()
 })  # fmt: skip

@@ -15,13 +15,13 @@ from bokeh.settings import settings
 from pwsviz.page.explorer import COVER, RESULTS
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import PortraitInputs
-from pwsviz.scene.scene import Scene
+from pwsviz.scene.first import first_scene
 from pwsviz.server.catalogue import declare_beside_once
 
 
 def compute_first_scene() -> None:
     """Compute what a new page shows, into the cache that all visitors share."""
-    scene = Scene()
+    scene = first_scene()
     runs = run_inputs(scene)
     RESULTS.pictures(PortraitInputs.of(scene))
     RESULTS.error_curves(runs)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.scene.presets import PRESETS
+from pwsviz.scene.presets import FIRST_LOOK, PRESETS
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 
@@ -63,7 +63,8 @@ def test_every_figure_of_the_paper_has_its_presets() -> None:
     assert {figure: figures.count(figure) for figure in FIGURES} == FIGURES
     assert set(figures) == {*FIGURES, ""}
     last_of_paper = max(k for k, figure in enumerate(figures) if figure)
-    assert "" not in figures[:last_of_paper]
+    assert next(iter(PRESETS)) == FIRST_LOOK
+    assert "" not in figures[1:last_of_paper]
 
 
 @pytest.mark.parametrize("key", PRESETS)
@@ -311,3 +312,14 @@ def test_loops_of_the_circuit_double_and_reach_the_other_scroll_where_the_exampl
 
     assert [distinct(alpha) for alpha in (8.1, 8.2, 8.37, 8.41)] == [1, 2, 2, 4]
     assert points(8.7).max() < 0.3 < 0.35 < points(8.9).max()
+
+
+def test_the_first_look_is_what_it_says() -> None:
+    system, worst = core.CATALOGUE["elliptic_curve"], {}
+    for name, tau in (("dmm2", 0.08), ("rk2", 0.08), ("rk2", 0.04)):
+        run = core.integrate(system, (0.0, 20.0), tau=tau, method=name)
+        worst[name, tau] = float(np.abs(run.accumulated_error()).max())
+    assert worst["dmm2", 0.08] < 8 * np.finfo(float).eps
+    assert 8.0 < worst["rk2", 0.08] / worst["rk2", 0.04] < 10.0
+    radius = [np.hypot(*(core.integrate(system, (0.0, t), tau=0.08, method="rk2").x.T)).max() for t in (4.0, 20.0)]
+    assert radius[1] > 1.05 * radius[0], "outwards"
