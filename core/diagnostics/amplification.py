@@ -62,21 +62,23 @@ def amplified(run: Trajectory) -> Iterator[str]:
     growth = _growth(run)
     if growth.spoilt is not None:
         yield (
-            f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}: the rounding of a state may by then "
-            "have changed the solution by a tenth of its range, and decides what follows"
+            f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}, where rounding alone may have changed "
+            "the state by a tenth of its range: later states are not those of the exact solution, though averages "
+            "and the set that the orbit fills may be"
         )
     elif growth.factor > _LARGE:
         growth = _growth(run, of_steps=True)
         if growth.spoilt is not None and _parts(run):
             yield (
-                f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}: those of the steps have by then "
-                "changed the solution by a tenth of its range, and decide what follows; take a smaller "
+                f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}, where those of the steps have "
+                "changed the state by a tenth of its range: later states are not those of the exact solution; take a "
+                "smaller "
                 f"{'tolerance' if METHODS[run.method].adaptive else 'tau'}"
             )
 
 
 def _told(factor: float) -> str:
-    return f"grow, by a factor of {factor:.0e}," if factor > _SOME else "add up"
+    return f"grow by a factor of {factor:.0e}" if factor > _SOME else "add up"
 
 
 @dataclass(frozen=True)

@@ -108,7 +108,7 @@ class _Check:
             self.items[name] = tuple(rates(self.texts[name], self.items["variables"]))
         self.items |= {name: tuple(map(self.typed.read, self.items[name])) for name in _EXPRESSIONS}
         self.require_names()
-        self.variables = self.each("variables", str, MAX_VARIABLES)
+        self.variables = self.each("variables", _variable, MAX_VARIABLES)
         known = {p.name: p for p in draft.known}
         self.parameters = self.each("parameters", partial(_parameter, formula=self.typed.read), MAX_PARAMETERS)
         self.parameters = tuple(_as_known(p, known.get(p.name)) for p in self.parameters)
@@ -162,7 +162,9 @@ class _Check:
         """Read the entries of a list, and complain about those that cannot be read."""
         texts = self.items[name]
         if len(texts) > most:
-            self.complain(name, f"There are {len(texts)} entries; at most {most} are allowed")
+            self.complain(
+                name, f"{'1 entry' if len(texts) == 1 else f'{len(texts)} entries'}; at most {most} are allowed"
+            )
         found = []
         for text in texts[:most]:
             try:
@@ -340,11 +342,22 @@ def _without_quantity(word: str, system: core.PiecewiseSystem | None) -> str:
     )
 
 
+def _variable(text: str) -> str:
+    """Read the name of a variable; whether it can be one is checked with all else."""
+    if names := text.split()[1:]:
+        raise ValueError(
+            f"{quoted(text)} is not one name: separate names by commas, as in {text.split()[0]}, {names[0]}"
+        )
+    return text
+
+
 def _parameter(text: str, formula: Formula) -> core.Parameter:
     """Read ``k = 3 in [0.1, 10]``."""
     name, equals, rest = (part.strip() for part in text.partition("="))
     value, within, bounds = (part.strip() for part in re.sub(r"\bin\b", "\0", rest, count=1).partition("\0"))
     ends = split(bounds[1:-1]) if bounds.startswith("[") and bounds.endswith("]") else []
+    if text.isdecimal():
+        raise ValueError(f"{quoted(text)} is not a parameter: write 0.{text} with a point if it is a part of a number")
     if not equals or (within and len(ends) != 2):
         raise ValueError(f"{quoted(text)} is not a parameter: write k = 3, or k = 3 in [0.1, 10]")
     numbers = [_number(part, f"Parameter {name}", formula) for part in (value, *ends)]

@@ -21,7 +21,8 @@ MEANINGS: Mapping[str, str] = {
     "as text",
     "region_entered": "region entered, likewise; empty where the run stopped",
     "side_entered": "sign of g on the side entered; 0 where it slides or stops",
-    "change_of_psi": "|Δψ|, the error of ψ since the start; the largest over several ψ",
+    "change_of_psi": "|Δψ|, the error of ψ since the start, the largest over several ψ; "
+    "while a run slides, |Δg| and what else sliding keeps",
     "number": "number of the crossing in its run, from 1",
     "point": "number of the point of its start, from 1; discarded points do not count",
     "kind": "what happens; sliding: it begins, leaving: it ends, jump: the state is the one before it",

@@ -22,6 +22,7 @@ from pwsviz.geometry.projection import (
     surfaces_shown,
 )
 from pwsviz.results.orbits import Orbit
+from pwsviz.results.requests import RunInputs
 from pwsviz.results.results import Pictures
 from pwsviz.scene.equations import equations, indexed
 from pwsviz.scene.names import met_at_surfaces, readable, short_name
@@ -31,8 +32,8 @@ from pwsviz.text.numbers import brief, printed, shortest
 from pwsviz.text.words import JUMPS_MARKED, as_text, listed, perturbation
 
 __all__ = [
-    "SUMMARY", "bodies_text", "figures_of", "law_line", "law_markup", "parted_words", "portrait_note", "portrait_text",
-    "run_line",
+    "SUMMARY", "bodies_text", "figures_of", "law_line", "law_markup", "parted_words", "perturbed_words",
+    "portrait_note", "portrait_text", "run_line",
 ]  # fmt: skip
 
 FIELD = "the field"
@@ -54,6 +55,15 @@ FEW_PLACES = 4
 
 UNBROKEN = 40
 """Most characters of an equation that stands on one line, also on a phone."""
+
+
+def perturbed_words(inputs: RunInputs) -> str:
+    """Say by how much crossing times are perturbed; empty where they are not."""
+    order, scale = inputs.scheme.perturbation_order, inputs.scheme.perturbation_scale
+    if order is None or not inputs.scheme.locate:
+        return ""
+    by = f"{perturbation(order, scale)} = {scale * inputs.tau**order:.3g}"
+    return f"All crossing times are perturbed on purpose, by {by}: crossings lie off the surface, and change ψ."
 
 
 def portrait_text(

@@ -149,8 +149,12 @@ def _at_present(found: Diagram, present: float) -> str:
     if (period := period_of(points, height, turn, found.round_off)) == 1:
         return f"{at} all points are the same: {points[-1]:.6g}."
     if period:
-        both = not inputs.direction and not is_one_way(inputs.problem.declaration, inputs.of)
-        return f"{at} the points have period {period}{both * ', of crossings in both directions'}."
+        declared = inputs.problem.declaration
+        both = not inputs.direction and not is_one_way(declared, inputs.of)
+        of = ", of crossings in both directions" * both or ", of all surfaces together" * (
+            not inputs.of and len(declared.laws.surfaces) > 1
+        )
+        return f"{at} the points have period {period}{of}."
     if period := approached(points, turn):
         return f"{at} the points still approach {'a limit' if period == 1 else f'a cycle of {period}'}."
     least = min(LONGEST_PERIOD, len(points) // 2)

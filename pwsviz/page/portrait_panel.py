@@ -10,7 +10,14 @@ import numpy as np
 import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.portrait_text import figures_of, law_markup, parted_words, portrait_note, which_start
+from pwsviz.figures.portrait_text import (
+    figures_of,
+    law_markup,
+    parted_words,
+    perturbed_words,
+    portrait_note,
+    which_start,
+)
 from pwsviz.figures.summaries import run_lines, run_words
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.plane import XY, Plane
@@ -237,6 +244,7 @@ class PortraitPanel(pn.viewable.Viewer):
         words = "".join(
             [
                 as_text(figures_of(shown, warnings), "about"),
+                as_text(perturbed_words(inputs.selected[0])),
                 run_lines(shown.summaries, warnings),
                 as_text(parted_words(shown), "stopped"),
             ]

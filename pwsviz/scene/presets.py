@@ -172,7 +172,7 @@ def _stopping() -> tuple[Preset, ...]:
     return (
         Preset(
             "grazing", "Touching the surface", "",
-            "Three swings of a pendulum towards α = 0.5: one falls short, one crosses, one touches it and ends.",
+            "Three swings of a pendulum towards α = 0.5: one falls short, one crosses, one touches it and stops there.",
             "Move the start that touches, or α, by 10⁻⁶: the swing falls short or crosses.",
             {
                 "system": "pendulum", "starts": ((-0.35, 0.0), (-0.65, 0.0), (-0.5, 0.0)),
