@@ -38,8 +38,8 @@ MOST_PIXELS = 4_000_000
 FINE = 4
 """Pixels of a sharp image along each side of one on the screen: 600 and more an inch in a column of 85 mm."""
 
-MARGIN = 0.04
-"""Margin around all points, relative to their extent."""
+MARGIN, MARGIN_OF_A_LINE = 0.04, 0.2
+"""Margin around all points, relative to their extent: usually, and along a line on which all lie."""
 
 TELL = """
 const wait = 80  // milliseconds between two messages, each of which brings a new image
@@ -285,6 +285,8 @@ def _alphas() -> list[int]:
 
 def _roomy(extent: Window, least: float) -> Window:
     """Return a window with some margin; of points on a line, as wide on either side as they are far from the origin."""
-    across = MARGIN * extent.width if extent.width > least else max(abs(extent.x_low), 1.0)
-    up = MARGIN * extent.height if extent.height > least else max(abs(extent.y_low), 1.0)
+    flat = extent.width <= least or extent.height <= least
+    margin = MARGIN_OF_A_LINE if flat else MARGIN
+    across = margin * extent.width if extent.width > least else max(abs(extent.x_low), 1.0)
+    up = margin * extent.height if extent.height > least else max(abs(extent.y_low), 1.0)
     return Window(extent.x_low - across, extent.x_high + across, extent.y_low - up, extent.y_high + up)

@@ -79,7 +79,8 @@ let searches = 0
 const name_panel = () => {
   const tabs = find(document, ".MuiTabsPanel")
   if (tabs == null) { if (searches++ < 300) { setTimeout(name_panel, 100) }; return }
-  const panel = tabs.lastElementChild, titles = [...tabs.querySelectorAll("[role=tab]")]
+  const panel = tabs.lastElementChild, list = tabs.querySelector("[role=tablist]")
+  const titles = [...list.querySelectorAll("[role=tab]")]
   const say = () => panel.setAttribute("aria-labelledby", titles.find(title => title.ariaSelected == "true")?.id ?? "")
   panel.id = "view"
   panel.role = "tabpanel"
@@ -87,11 +88,22 @@ const name_panel = () => {
     title.id = `title-${k}`
     title.setAttribute("aria-controls", panel.id)
     new MutationObserver(say).observe(title, { attributeFilter: ["aria-selected"] })
+    // On a phone the view begins below the screen: whoever has chosen it wants to see it, as soon as it has its height.
+    title.addEventListener("click", () => {
+      if (innerWidth >= NARROW) { return }
+      const grown = new ResizeObserver(() => list.scrollIntoView({ block: "start" }))
+      grown.observe(panel)
+      for (const moved of ["touchmove", "wheel", "keydown"]) {
+        addEventListener(moved, () => grown.disconnect(), { once: true, passive: true })
+      }
+      setTimeout(() => grown.disconnect(), 2000)
+    })
   })
+  list.style.scrollMarginTop = "calc(var(--header, 52px) + 8px)"
   say()
 }
 name_panel()
-"""
+""".replace("NARROW", str(NARROW))
 """JavaScript that makes the tabs' content a tab panel, which the tabs of panel-material-ui leave out."""
 
 

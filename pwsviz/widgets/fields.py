@@ -5,7 +5,7 @@ FRAME = "color-mix(in srgb, var(--mui-palette-text-primary) 50%, transparent)"
 
 LABEL = """
 position: absolute; top: 0; left: 9px; z-index: 1; padding: 0 5px; max-width: calc(100% - 18px); overflow: hidden;
-text-overflow: ellipsis; white-space: nowrap; font-size: 0.75rem; line-height: 16px;
+text-overflow: ellipsis; white-space: nowrap; font-size: 0.75rem; line-height: 1rem;
 color: var(--mui-palette-text-secondary); background: var(--mui-palette-background-default);
 """
 """Style of a name that interrupts the frame."""
@@ -31,9 +31,9 @@ FIELD_CSS = f"""
 .slides {{ display: grid; grid-template-columns: minmax(0, 7.25rem) 1fr; align-items: center; }}
 .slides .field input {{ padding: 0 10px; }}
 .slides .note {{ grid-column: 1 / -1; order: 1; margin-left: 10px; }}
-.field {{ position: relative; padding-top: 8px; margin-top: 1px; }}
+.field {{ position: relative; padding-top: 0.5rem; margin-top: 1px; }}
 .field label {{ {LABEL} }}
-.field input {{ box-sizing: border-box; width: 100%; height: 40px; padding: 0 14px; font: inherit; font-size: 1rem;
+.field input {{ box-sizing: border-box; width: 100%; height: 2.5rem; padding: 0 14px; font: inherit; font-size: 1rem;
                 color: var(--mui-palette-text-primary); background: none; border: 1px solid {FRAME};
                 border-radius: 4px; }}
 .field input:hover {{ border-color: var(--mui-palette-text-primary); }}
@@ -44,8 +44,8 @@ FIELD_CSS = f"""
          color: var(--mui-palette-text-secondary); }}
 .note:empty {{ display: none; }}
 .note.refused {{ color: var(--mui-palette-error-main); }}
-input[type=range] {{ appearance: none; width: calc(100% - 16px); min-width: 0; height: 24px; margin: 8px 2px 0 14px;
-                     background: none; cursor: pointer; }}
+input[type=range] {{ appearance: none; width: calc(100% - 16px); min-width: 0; height: 1.5rem;
+                     margin: 0.5rem 2px 0 14px; background: none; cursor: pointer; }}
 input[type=range]::-webkit-slider-runnable-track {{ {_TRACK} }}
 input[type=range]::-moz-range-track {{ {_TRACK} }}
 input[type=range]::-webkit-slider-thumb {{ {_THUMB} margin-top: -5.5px; }}

@@ -11,9 +11,12 @@ KEY = "l"
 """Key that turns the lecture mode on and off, when no text is being typed."""
 
 LARGER = 1.5
-"""Factor of the size of all type, and in figures of the lines and marks."""
+"""Factor of the size of all type outside figures, and of their lines and marks."""
 
-REST = "calc(8.8rem + var(--header, 52px) - 52px)"
+LARGER_LABELS = 1.75
+"""Factor of the size of the type in figures, which is smaller than that outside."""
+
+REST = "calc(9.8rem + var(--header, 52px) - 52px)"
 """CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
 TOLD = 0.3
@@ -47,7 +50,7 @@ export function render({ model }) {
   const larger = new CustomJSTransform({ func: "return LARGER * x", v_func: "return xs.map(x => LARGER * x)" })
   const enlarged = size => {
     if (typeof size == "number") return size * LARGER
-    if (typeof size == "string") return size.replace(/[0-9.]+/, number => number * LARGER)
+    if (typeof size == "string") return size.replace(/[0-9.]+/, number => number * LABELS)
     return typeof size.value == "string" ? { ...size, value: enlarged(size.value) } : { ...size, transform: larger }
   }
   const same = (one, other) => one === other || one?.value === other?.value && one?.field === other?.field
@@ -136,6 +139,7 @@ export function render({ model }) {
   })
 }
 """.replace("SPACE", SPACE)
+        .replace("LABELS", str(LARGER_LABELS))
         .replace("LARGER", str(LARGER))
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
         .replace("TOLD", str(TOLD))
