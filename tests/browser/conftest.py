@@ -62,13 +62,15 @@ def _complains(message):
 
 @pytest.fixture
 def visit(window, address):
-    """Open the page, or a scene of it, in a window of a given size; afterwards, no script may have complained.
+    """Open a scene of the page in a window of a given size; afterwards, no script may have complained.
+
+    It is the scene of a link that changes nothing; with an empty query, that of a page opened without a link.
 
     Media features, such as ``color_scheme="dark"``, hold from the first paint on.
     """
     complaints, pages = [], []
 
-    def open_page(width=1400, height=900, query="", **media):
+    def open_page(width=1400, height=900, query="v=2", **media):
         page = window.new_page()
         pages.append(page)
         page.set_viewport_size({"width": width, "height": height})

@@ -27,10 +27,11 @@ pytestmark = pytest.mark.browser
 
 
 def test_first_paint_shows_portrait_and_conserved_quantity(visit):
-    page = visit()
+    page = visit(query="")
     await_painted(page, "Phase portrait")
     await_painted(page, "conserved quantity")
-    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    page.get_by_text(re.compile("250 steps, 20 crossings")).first.wait_for()
+    page.get_by_text("Two integrators of order 2").first.wait_for()
     assert page.get_by_text("dmm2:").count() + page.get_by_text("dmm2").count() >= 2
 
 
