@@ -6,11 +6,13 @@ from dataclasses import replace
 
 from core.integration.finished import trajectory_of
 from core.integration.runner import Runner
-from core.integration.trajectory import Trajectory
+from core.integration.trajectory import Status, Trajectory
 from core.methods import METHODS
 
 __all__ = ["with_steps"]
 
+#: How runs end of which the step that failed is not made again: to find out why it did takes long.
+_FAILED = (Status.NO_CONVERGENCE, Status.ESCAPED, Status.UNSTABLE, Status.SINGULAR, Status.CANCELLED)
 #: Most steps that are made again: some 10 ms, and the checks of them some 100 ms.
 _MOST = 50_000
 
@@ -20,10 +22,10 @@ def with_steps(run: Trajectory) -> Trajectory:
 
     If these are all of its steps, the run ends as it did.
     """
-    if run.record == "steps" or run.asked is None or run.steps == 0:
+    if run.record == "steps" or run.asked is None or run.steps == run.crossing_count == 0:
         return run
-    asked, count = run.asked, min(run.steps, _MOST)
-    settings = replace(asked.settings, max_steps=count)  # no step that failed is made again: why it did takes long
+    asked, most = run.asked, min(run.steps + (run.status not in _FAILED), _MOST)
+    settings = replace(asked.settings, max_steps=most)
     runner = Runner(run.system, METHODS[run.method], asked.t0, asked.x0, settings)
     runner.advance(asked.t_end, record=True)
     again = trajectory_of(runner, "steps", True, None, run.warn)

@@ -90,6 +90,8 @@ class Cause(NamedTuple):
     """The event function whose zero ended the run; empty if none did."""
     remarks: tuple[str, ...] = ()
     """What is to be said of the event functions, a sentence each."""
+    shift: float = 0.0
+    """By how much crossing times were perturbed."""
 
 
 #: Of a run that has reached its end time, and has nothing to remark.
@@ -124,7 +126,16 @@ def cause_of(run: Run) -> Cause:
     if run.status is Status.COMPLETED and not remarks:
         return _AS_ASKED
     event = run.log.last if run.status is Status.EVENT else ""
-    return Cause(_step_length(run), run.growth, run.why_cornered, *_singular(run), run.jumps_here, event, remarks)
+    return Cause(
+        _step_length(run),
+        run.growth,
+        run.why_cornered,
+        *_singular(run),
+        run.jumps_here,
+        event,
+        remarks,
+        run.settings.shift,
+    )
 
 
 def _singular(run: Run) -> tuple[str, bool]:
@@ -162,6 +173,8 @@ def reason(end: Ending) -> str:
         return f"{end.status.reason}, and {end.cause.why_cornered}"
     if end.status is Status.SLIDING and end.cause.jumped:
         return "the field does not lead away from the surface after the jump, so the state stays there"
+    if _moved_astray(end):
+        return "a perturbed crossing has moved the state beyond another surface, or through a wall"
     if end.status is Status.EVENT:
         return f"the event {end.cause.event!r} took place, which ends the run"
     if _lacks_psi(end):
@@ -176,6 +189,8 @@ def reason(end: Ending) -> str:
 def _advice(end: Ending) -> str:
     """What to do; where a field is not defined ahead, to write it differently."""
     status, last, laws = end.status, end.last, end.system.laws
+    if _moved_astray(end):
+        return f"Perturb crossing times by less than {abs(end.cause.shift):.3g}, or take a smaller tau."
     if end.cause.removable:
         return (
             "With these values of the parameters the field has a limit there, with others it has none: write it "
@@ -219,6 +234,11 @@ def _advice(end: Ending) -> str:
 
 def _plain_advice(end: Ending) -> str:
     return end.status.advice_without_tau if end.method.adaptive else end.status.advice
+
+
+def _moved_astray(end: Ending) -> bool:
+    """Whether the state lies beyond a surface because crossings are perturbed."""
+    return end.status is Status.CONTRADICTION and end.cause.shift != 0.0
 
 
 def _lacks_psi(end: Ending) -> bool:

@@ -71,7 +71,7 @@ ENDS = {
     Status.NO_CONVERGENCE: EndLook("no solution", "circle_cross", GREY),
     Status.STEP_LIMIT: EndLook("step limit", "circle_cross", GREY),
     Status.CROSSING_LIMIT: EndLook("crossing limit", "circle_cross", GREY),
-    Status.CONTRADICTION: EndLook("defect", "circle_cross", GREY),
+    Status.CONTRADICTION: EndLook("wrong side", "circle_cross", GREY),
 }
 """Mark of an end by the status of the run; whatever stops a run has one.
 

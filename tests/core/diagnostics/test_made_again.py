@@ -53,6 +53,15 @@ def test_steps_made_again_are_the_same_bit_by_bit_and_end_as_the_run_did():
     assert with_steps(whole) is whole
 
 
+def test_the_crossing_at_which_a_run_ends_is_made_again():
+    options = {"tau": 0.04, "method": "taylor", "max_crossings": 1}
+    for record in ("crossings", "end"):
+        run = core.integrate("vibrating_table", (3.7, 91.0), x0=(-0.18, 3.45, 0.08), record=record, **options)
+        again = with_steps(run)
+        assert len(again.crossings) == run.crossing_count == 1
+        assert np.array_equal(again.x[-1], run.x[-1])
+
+
 def test_of_a_long_run_the_first_steps_are_made_again():
     run = core.integrate("elliptic_curve", (0.0, 1000.0), tau=0.01, record="end")
     again = with_steps(run)
