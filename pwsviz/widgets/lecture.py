@@ -13,7 +13,7 @@ KEY = "l"
 LARGER = 1.5
 """Factor of the size of all type outside figures, and of their lines and marks."""
 
-LARGER_LABELS = 1.75
+LARGER_LABELS = 1.65
 """Factor of the size of the type in figures, which is smaller than that outside."""
 
 REST = "calc(9.8rem + var(--header, 52px) - 52px)"
