@@ -42,8 +42,9 @@ from pwsviz.figures.ticks import print_ticks
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import PRINTED, printed
 
-HEIGHT = "clamp(340px, min(100vh - var(--rest, 15.6rem) - var(--above, 0px), 90vw), 1400px)"
-"""CSS height of a figure: what the screen leaves free, but neither too flat nor too tall; a lecture sets the two."""
+HEIGHT = "clamp(340px, min(100vh - var(--rest, 15.6rem) - var(--above, 0px), 90vw, 400px + 30vw), 1400px)"
+"""CSS height of a figure: what the screen leaves free, but neither too flat nor too tall for its width, also where the
+window is; a lecture sets the two."""
 
 ROOM = "var(--legend, 0px)"
 """CSS height by which a legend is taller than usual, set by `legends`: added to a figure, whose frame then stays."""

@@ -318,6 +318,17 @@ CUT = """() => {
 
 
 @pytest.mark.deep
+@pytest.mark.deep
+def test_on_a_phone_a_view_that_is_chosen_comes_into_sight(phone):
+    tabs = phone.get_by_role("tablist")
+    assert tabs.bounding_box()["y"] > 400
+    phone.get_by_role("tab", name="Order").tap()
+    assert becomes(phone, lambda: tabs.bounding_box()["y"] < 200)
+    figure = phone.get_by_role("tabpanel").get_by_role("img").first
+    figure.wait_for()
+    assert figure.bounding_box()["y"] < 400
+
+
 def test_in_lecture_mode_titles_of_views_keep_to_one_row_and_names_of_fields_are_whole(visit):
     page = visit(query="v=2&system=chua&view=section")
     await_painted(page, "Poincaré section")
