@@ -191,6 +191,9 @@ def _advice(end: Ending) -> str:
     status, last, laws = end.status, end.last, end.system.laws
     if _moved_astray(end):
         return f"Perturb crossing times by less than {abs(end.cause.shift):.3g}, or take a smaller tau."
+    if status is Status.UNDECLARED and end.cause.shift:
+        by = f"{abs(end.cause.shift):.3g}"
+        return f"{_plain_advice(end)} If a perturbed crossing, by {by}, has moved it there: perturb by less."
     if end.cause.removable:
         return (
             "With these values of the parameters the field has a limit there, with others it has none: write it "

@@ -18,8 +18,16 @@ def reset_words(system: core.PiecewiseSystem, of: str) -> str:
     return ", just after the reset map" if has_reset(system, of) else ""
 
 
-def prospects(system: core.PiecewiseSystem, view: str) -> str:
-    """Return why a view can show little, or what it depends on, and which examples show more; else nothing."""
+def prospects(system: core.PiecewiseSystem, view: str, shown: str = "") -> str:
+    """Return why a view can show little, or what it depends on, and which examples show more; else nothing.
+
+    Parameters
+    ----------
+    view
+        Its key.
+    shown
+        Title of the example that is shown, which is not recommended.
+    """
     words = []
     if _is_flow_in_the_plane(system):
         words.append(
@@ -31,13 +39,13 @@ def prospects(system: core.PiecewiseSystem, view: str) -> str:
             "The points depend on the initial value of the conserved quantity; other starts may give a different "
             "section."
         )
-    return " ".join([*words, examples_of(view)] if words else words)
+    return " ".join(filter(None, [*words, examples_of(view, shown)])) if words else ""
 
 
-def examples_of(view: str) -> str:
-    """Return which examples show more in a view."""
-    others = [f"“{one.title}”" for one in PRESETS.values() if one.settings["view"] == view]
-    return f"See also the examples {listed(others)}."
+def examples_of(view: str, shown: str = "") -> str:
+    """Return which examples show more in a view, other than one that is shown."""
+    others = [f"“{one.title}”" for one in PRESETS.values() if one.settings["view"] == view and one.title != shown]
+    return f"See also the example{'s' * (len(others) > 1)} {listed(others)}." if others else ""
 
 
 def _is_flow_in_the_plane(system: core.PiecewiseSystem) -> bool:

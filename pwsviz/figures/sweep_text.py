@@ -113,8 +113,11 @@ def sweep_text(found: Diagram, present: float) -> str:
     return " ".join(filter(None, (_at_present(found, present), _nothing_left(found), _refusal(found))))
 
 
-def sweep_details(found: Diagram) -> str:
-    """Return in words what is plotted, how many values have all their points, and what may be expected of them."""
+def sweep_details(found: Diagram, shown: str = "") -> str:
+    """Return in words what is plotted, how many values have all their points, and what may be expected of them.
+
+    `shown` is the title of the example that is shown, if any.
+    """
     inputs = found.inputs
     done, whole = int(found.done.sum()), int(found.whole.sum())
     words = (
@@ -126,8 +129,8 @@ def sweep_details(found: Diagram) -> str:
         words += f" {found_all} every value."
     elif done:
         words += f" {found_all} {f'{whole:,}' if whole else 'none'} of the {plural(done, 'value')}."
-    hope = prospects(inputs.problem.declaration, "sweep") if found.counts.any() or not done else ""
-    return f"{words} {hope or examples_of('sweep') * (2 * whole < done)}".strip()
+    hope = prospects(inputs.problem.declaration, "sweep", shown) if found.counts.any() or not done else ""
+    return f"{words} {hope or examples_of('sweep', shown) * (2 * whole < done)}".strip()
 
 
 def _at_present(found: Diagram, present: float) -> str:

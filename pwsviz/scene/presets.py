@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-__all__ = ["FIRST_LOOK", "PRESETS", "Preset"]
+__all__ = ["FIRST_LOOK", "PRESETS", "Preset", "shown_example"]
 
 FIRST_LOOK = "first_look"
 """Key of the scene of a page that is opened without a link."""
@@ -52,7 +52,7 @@ def _first_look() -> tuple[Preset, ...]:
         Preset(
             FIRST_LOOK, "A first look", "",
             "Two integrators of order 2: dmm2 keeps ψ to round-off, whereas the trajectory of rk2 spirals outwards.",
-            "Halve τ: |Δψ| of rk2 falls about ninefold. Then drag the star, open Order, or choose another example.",
+            "Halve τ: |Δψ| of rk2 falls about ninefold. dmm2 errs in phase alone: open Order. Then drag the star.",
             {**_CURVE, "tau": 0.08, "view": "conserved"},
         ),
     )  # fmt: skip
@@ -322,3 +322,11 @@ PRESETS: Mapping[str, Preset] = MappingProxyType({
     )
     for preset in group()
 })  # fmt: skip
+
+
+def shown_example(scene: object) -> str:
+    """Return the title of the example whose settings a scene has; empty if it has those of none."""
+    for one in PRESETS.values():
+        if all(getattr(scene, key) == value for key, value in one.settings.items()):
+            return one.title
+    return ""

@@ -30,6 +30,7 @@ from pwsviz.geometry.section_state import on_section, state_at
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints, SectionPortion
 from pwsviz.scene.names import LABELS, SECTION_DIRECTIONS, readable
+from pwsviz.scene.presets import shown_example
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
@@ -196,7 +197,7 @@ class SectionTab(LongTab):
 
     def details(self, outcome: SectionPoints) -> str:
         """Return what may be expected of the points, and what the runs do at crossings if that is unusual."""
-        hope = prospects(outcome.inputs.problem.declaration, "section")
+        hope = prospects(outcome.inputs.problem.declaration, "section", shown_example(self.scene))
         return f"{hope} {about_crossings(self.scene, locates=True)}".strip()
 
     def _hint(self) -> str:

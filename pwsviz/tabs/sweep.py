@@ -18,6 +18,7 @@ from pwsviz.figures.sweep_text import parameter_name, sweep_details, sweep_how, 
 from pwsviz.geometry.window import Window
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import Diagram
+from pwsviz.scene.presets import shown_example
 from pwsviz.scene.sweeping import swept_parameter, swept_range
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tabs.sweep_controls import SweepControls
@@ -74,7 +75,9 @@ class SweepTab(LongTab):
 
     def details(self, outcome: Diagram) -> str:
         """Return what is plotted, and what the runs do at crossings if that is unusual."""
-        return f"{sweep_details(outcome)} {about_crossings(self.scene, locates=True)}".strip()
+        return (
+            f"{sweep_details(outcome, shown_example(self.scene))} {about_crossings(self.scene, locates=True)}".strip()
+        )
 
     def warnings(self, outcome: Diagram) -> Sequence[str]:
         """Return what is said against the step size."""

@@ -59,3 +59,10 @@ def test_a_perturbation_that_moves_the_state_beyond_a_surface_is_blamed_and_not_
     assert run.status is Status.CONTRADICTION
     assert "Perturb crossing times by less than 0.127" in run.message
     assert "defect" not in run.message
+
+
+def test_a_region_without_a_law_into_which_a_perturbation_may_have_led_is_said_to_be_that():
+    """The ball meets a wall at a speed of about 1; moved on by 2.2 from there, it is beyond the other wall."""
+    run = core.integrate("two_walls", (0.0, 20.0), tau=1.0, perturbation_order=1, perturbation_scale=2.2)
+    assert run.status is Status.UNDECLARED
+    assert "perturbed crossing, by 2.2, has moved it there: perturb by less" in run.message

@@ -7,9 +7,11 @@ import core
 from pwsviz.export.caption import caption
 from pwsviz.export.tables import sweep_tables
 from pwsviz.figures.point_cloud import FEW, FINE
+from pwsviz.figures.section_prospects import prospects
 from pwsviz.geometry.window import Window
 from pwsviz.page.explorer import Explorer
 from pwsviz.results.results import Results
+from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
 
 
@@ -158,3 +160,14 @@ def test_a_view_without_a_reference_warns_of_steps_that_are_too_long(view):
     assert '<p class="stopped">' in page.view.words.object
     assert "too long for this field" in page.view.words.object
     page.close()
+
+
+def test_an_example_does_not_recommend_itself():
+    page = opened()
+    titles = [one.title for one in PRESETS.values() if one.settings["view"] == "sweep"]
+    assert all(title in page.view.words.object for title in titles)
+    page.close()
+    for title in titles:
+        hope = prospects(core.CATALOGUE["stick_slip"], "sweep", title)
+        assert title not in hope
+        assert all(other in hope for other in titles if other != title)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.scene.presets import FIRST_LOOK, PRESETS
+from pwsviz.scene.presets import FIRST_LOOK, PRESETS, shown_example
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 
@@ -323,3 +323,11 @@ def test_the_first_look_is_what_it_says() -> None:
     assert 8.0 < worst["rk2", 0.08] / worst["rk2", 0.04] < 10.0
     radius = [np.hypot(*(core.integrate(system, (0.0, t), tau=0.08, method="rk2").x.T)).max() for t in (4.0, 20.0)]
     assert radius[1] > 1.05 * radius[0], "outwards"
+
+
+@pytest.mark.parametrize("key", PRESETS)
+def test_an_example_is_known_by_its_settings_until_one_is_changed(key: str) -> None:
+    chosen = scene(key)
+    assert shown_example(chosen) == PRESETS[key].title
+    chosen.accept("tau", "0.00123")
+    assert shown_example(chosen) == "" or "tau" not in PRESETS[key].settings
