@@ -155,6 +155,7 @@ def test_who_listens_for_others_is_told_of_their_names(told, capsys):
 def test_the_preloaded_scene_is_that_of_a_fresh_page():
     from pwsviz.page.explorer import Explorer
     from pwsviz.results.results import Results
+    from pwsviz.scene.first import first_scene
     from pwsviz.server import preload
 
     results = Results()
@@ -165,7 +166,7 @@ def test_the_preloaded_scene_is_that_of_a_fresh_page():
         preload.RESULTS = kept
     computed = results.computed.copy()
     assert computed["run"] > 0
-    page = Explorer(results=results)
+    page = Explorer(first_scene(), results)
     try:
         page.refresh()
         assert page.settle(30)
