@@ -43,8 +43,8 @@ LARGEST = 1e6
 def swept_parameter(scene: Scene) -> core.Parameter | None:
     """Return the chosen parameter, or the one that the system suggests; None if it has none."""
     system = scene.declaration
-    chosen = (q for q in system.parameters if q.name == scene.sweep_parameter)
-    return next(chosen, usual_parameter(system))
+    chosen = next((q for q in system.parameters if q.name == scene.sweep_parameter), None)
+    return chosen or usual_parameter(system)
 
 
 def usual_parameter(system: core.PiecewiseSystem) -> core.Parameter | None:
