@@ -51,7 +51,7 @@ def _first_look() -> tuple[Preset, ...]:
     return (
         Preset(
             FIRST_LOOK, "A first look", "",
-            "Two integrators of order 2: dmm2 keeps ψ to round-off, whereas the trajectory of rk2 spirals outwards.",
+            "Two integrators of order 2, τ = 0.08: dmm2 keeps ψ to round-off; the trajectory of rk2 spirals outwards.",
             "Halve τ: |Δψ| of rk2 falls about ninefold. dmm2 errs in phase alone: open Order. Then drag the star.",
             {**_CURVE, "tau": 0.08, "view": "conserved"},
         ),

@@ -11,9 +11,10 @@ __all__ = ["SPACE", "hand_on"]
 
 SPACE = """
 const TAKES_SPACE = "input, textarea, select, button, summary, a, [role], [contenteditable]"
-// Whether the space bar, pressed where it was, means nothing else: a figure is an image.
+const LEAVES_SPACE = "[role=img], [role=tab][aria-selected=true], [role=tablist]"
+// Whether the space bar, pressed where it was, means nothing else: a figure is an image, a tab that is open is open.
 const is_free = event => !event.composedPath().filter(node => node instanceof Element).slice(0, 3)
-  .some(node => node.matches(TAKES_SPACE) && node.getAttribute("role") != "img")
+  .some(node => node.matches(TAKES_SPACE) && !node.matches(LEAVES_SPACE))
 """
 """JavaScript that tells a space bar that is free to play from one that presses a button or writes."""
 

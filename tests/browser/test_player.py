@@ -148,6 +148,9 @@ def test_all_starts_move_and_one_click_and_the_space_bar_play(shown):
     page.locator("body").evaluate("() => document.activeElement.blur()")
     page.keyboard.press(" ")
     page.get_by_role("button", name="Play", exact=True).wait_for()
+    page.get_by_role("tab", name="State").click()
+    page.keyboard.press(" ")  # a tab that is open leaves it
+    page.get_by_role("button", name="Pause", exact=True).wait_for()
 
 
 BLUE = """canvas => {
