@@ -13,7 +13,7 @@ from core.diagnostics.examined_steps import Steps
 from core.diagnostics.narrow_pushes import PEAK, pushes
 from core.kernels.arrays import Floats
 
-__all__ = ["APART", "departures", "too_long_for_the_field"]
+__all__ = ["APART", "departures", "noise", "too_long_for_the_field"]
 
 APART = 0.02
 """Distance between the ends of a step and of shorter ones above which it is reported, as part of the way.
@@ -147,7 +147,7 @@ def _too_long(steps: Steps, found: Departures, unit: Floats) -> Iterator[str]:
     apart = np.where(found.apart > _allowed(steps, found, unit), found.apart, 0.0)
     part, most = _part(apart, found.way, unit), _APART_KEPT if steps.method.adaptive else APART
     suspected = np.flatnonzero(part > most)
-    apart[suspected] *= apart[suspected] > _noise(steps.some(suspected))  # its text is long, so few runs ask for it
+    apart[suspected] *= apart[suspected] > noise(steps.some(suspected))  # its text is long, so few runs ask for it
     part[suspected] = _part(apart[suspected], found.way[suspected], unit)
     if len(suspected) and not steps.method.adaptive:
         part[suspected] *= ~_rests(steps.some(suspected), apart[suspected], unit)
@@ -184,7 +184,7 @@ def _rests(steps: Steps, apart: Floats, unit: Floats) -> NDArray[np.bool_]:
     return np.asarray(resolved & (_part(apart, farthest / _LATER[-1], unit) <= _AT_REST))
 
 
-def _noise(steps: Steps) -> Floats:
+def noise(steps: Steps) -> Floats:
     """(k, d) bounds on what rounding of the field adds to the ends of steps: beside a rest it is all of their way."""
     laws, noise = steps.run.system.laws, np.zeros_like(steps.x)
     for rows, number, part in steps.by_mode():

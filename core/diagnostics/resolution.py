@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import islice
+from itertools import chain, islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from core.diagnostics.departures import APART, departures, too_long_for_the_field
 from core.diagnostics.doubtful_steps import doubtful_steps, pushed_steps
 from core.diagnostics.examined_steps import NEAR, Steps
+from core.diagnostics.lost_order import too_long_for_the_order
 from core.diagnostics.missed_crossings import hides, too_long_for_g
 from core.diagnostics.missed_events import too_long_for_events
 from core.diagnostics.unlike_steps import stretches, unlike_steps
@@ -46,7 +47,8 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     pushed = _at_rows(run, pushed_steps(run)).with_others(first) if run.record == "steps" else kept
     of_g = (words for steps in (kept, first, doubtful) for words in too_long_for_g(steps, hides(steps)))
     of_events = (words for steps in (kept, doubtful) for words in too_long_for_events(steps))
-    of_field = too_long_for_the_field((kept, _unlike(run), first), pushed)
+    groups = (kept, _unlike(run), first)
+    of_field = chain(too_long_for_the_field(groups, pushed), too_long_for_the_order(groups))
     return (*islice(of_g, 1), *dict.fromkeys(of_events), *islice(of_field, 1))
 
 

@@ -35,6 +35,7 @@ def slow_crossings(run: Trajectory, crossings: Crossings) -> Iterator[str]:
     """
     arrival = encounters(run, crossings).before
     located = (crossings.x == crossings.surface).all(axis=1)  # not displaced by a perturbation
+    located &= np.diff(crossings.t, prepend=np.nan) != 0.0  # a mode entered beyond a guard: it ends at once
     with np.errstate(all="ignore"):
         noise = np.maximum(_EPS * _noise(run, arrival), np.where(located, np.abs(crossings.g), 0.0))
         lasts = _ORDER * noise / np.abs(arrival.rate)

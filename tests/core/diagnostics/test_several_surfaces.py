@@ -152,3 +152,12 @@ def test_every_system_of_the_catalogue_is_diagnosed(name):
     through = ~np.isnan(found.alpha2)
     assert (found.alpha2[through] > 0.0).all()
     assert np.isfinite(found.M[through]).all()
+
+
+def test_a_mode_entered_beyond_its_guard_ends_at_once_which_is_no_slow_crossing():
+    regions = {"on": core.Region(f=("v", "1")), "off": core.Region(f=("v", "-1"))}
+    ways = (core.Transition("on", "1 - x", "off", ("x - 3", "v")), core.Transition("off", "x + 1", "on"))
+    system = core.PiecewiseSystem("Chain", ("x", "v"), regions=regions, transitions=ways, x0=(0.0, 0.3))
+    run = core.integrate(system, (0.0, 3.0), tau=0.01, method="rk4")
+    assert np.diff(run.crossings.t).tolist()[::2] == [0.0, 0.0]
+    assert run.warning == ""

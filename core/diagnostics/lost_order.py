@@ -1,0 +1,88 @@
+"""Test whether shorter steps converge as the order of the method says: beside a singularity of the field they do not.
+
+A method of order p is exact for a field that is smooth along the step. Where a derivative of the field is far larger
+within the step than beside it, as of a root or a logarithm next to the border of where they are real, the error falls
+as a low power of the step instead, and this one step limits the accuracy of the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.diagnostics.departures import noise
+from core.diagnostics.examined_steps import Steps
+from core.kernels.arrays import Floats
+
+__all__ = ["too_long_for_the_order"]
+
+#: Least error that is reported, as part of the longest way of a step.
+_LEAST = 1e-5
+#: Least error that is reported, in units of the median error of the steps examined.
+_TIMES_MEDIAN = 10.0
+#: Part of its order that a method keeps at the least: errors of a smooth field that happen to cancel hide some of it.
+_KEPT = 0.5
+#: Error of a step by rounding of the state, relative to it.
+_ROUNDING = 2.0**-48
+#: Most steps, those with the largest errors, of which the order is estimated.
+_MOST = 64
+
+
+class _Step(NamedTuple):
+    """Of each of some steps."""
+
+    error: Floats
+    """Distance between its end and that of two halves, in units of the longest way."""
+    of_half: Floats
+    """Distance between the ends of two halves and of four quarters."""
+    of_rounding: Floats
+    """A bound on what rounding adds to either."""
+
+
+def too_long_for_the_order(groups: Sequence[Steps]) -> Iterator[str]:
+    """Warn of the step with the largest error that does not fall with the step as the order of the method says."""
+    steps = reduce(Steps.with_others, groups)
+    if steps.method.order is None or not len(steps):
+        return
+    rows, found = _largest(steps)
+    with np.errstate(all="ignore"):
+        order = np.log2(found.error / found.of_half)
+        least = np.maximum(found.of_rounding * 2.0**steps.method.order, _LEAST)
+        lost = (order < _KEPT * steps.method.order) & (found.error > least)
+    if lost.any():
+        worst = int(np.argmax(np.where(lost, found.error, 0.0)))
+        yield (
+            f"{steps.named(rows[worst])} is too long for {steps.method.name} to keep its order: the field changes too "
+            f"fast in it, so that the error, {found.error[worst]:.1g} of the longest step, falls as "
+            f"tau^{max(order[worst], 0.0):.2g}, not as tau^{steps.method.order}; take a far smaller tau, or the method "
+            f"taylor, which chooses its steps"
+        )
+
+
+def _largest(steps: Steps) -> tuple[NDArray[np.intp], _Step]:
+    """Rows of the steps with the largest errors, none of them usual, and what is known of these steps."""
+    whole, halves = _end(steps, 1), _end(steps, 2)
+    with np.errstate(all="ignore"):
+        unit = np.nanmax(np.abs(halves - steps.x), axis=0, initial=0.0)
+        unit = np.where(unit > 0.0, unit, np.inf)
+        error = np.nan_to_num((np.abs(whole - halves) / unit).max(axis=1), nan=0.0, posinf=0.0)
+    rows = np.argsort(-error, kind="stable")[:_MOST]
+    rows = rows[error[rows] > max(_TIMES_MEDIAN * float(np.median(error)), _LEAST)]
+    some = steps.some(rows)
+    with np.errstate(all="ignore"):
+        of_half = (np.abs(halves[rows] - _end(some, 4)) / unit).max(axis=1)
+        rounding = ((noise(some) + _ROUNDING * np.abs(some.x)) / unit).max(axis=1)
+    return rows, _Step(error[rows], of_half, rounding)
+
+
+def _end(steps: Steps, count: int) -> Floats:
+    """States (k, d) to which a number of equal parts of each step lead, one after another; nan where one has none."""
+    t, x, h = steps.t, steps.x, steps.h / count
+    for _ in range(count):
+        x = steps.states(t, x, steps.mode, (t + h)[:, None])[:, 0]
+        t = t + h
+    return x
