@@ -1,0 +1,23 @@
+"""A step is said to lose its order only where its error does not fall as the order says."""
+
+from __future__ import annotations
+
+import pytest
+
+import core
+
+
+@pytest.mark.parametrize("record", ["steps", "end"])
+def test_a_step_beside_a_root_is_said_to_lose_its_order_whatever_is_recorded(record):
+    # v ≈ 1 at x = 0: the error of the first step behind is some √τ³, whatever the order.
+    system = core.PiecewiseSystem("Root", ("x",), ("1",), ("1 + sqrt(x + 1e-9)",), "x", x0=(-1.0,))
+    run = core.integrate(system, (0.0, 2.0), tau=0.01, method="rk8", record=record)
+    assert "too long for rk8 to keep its order" in run.warning
+    assert "falls as tau^1.5, not as tau^8" in run.warning
+
+
+@pytest.mark.parametrize("key, method", [("pendulum", "rk4"), ("predator_prey", "rk4"), ("kepler", "dmm4")])
+def test_steps_with_large_errors_of_the_right_order_are_not_said_to_lose_it(key, method):
+    # Each has a step whose error is more than ten times the median, and 1e-5 of the longest step.
+    run = core.integrate(core.CATALOGUE[key], (0.0, 20.0), tau=0.1, method=method)
+    assert "order" not in run.warning
