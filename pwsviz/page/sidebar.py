@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from html import escape
-from typing import Any
+from typing import Any, NamedTuple
 
 import panel as pn
 import panel_material_ui as pmui
@@ -57,6 +57,20 @@ AUTOMATIC = ()
 
 NUMBERS = ("tau", "tolerance", "t_end", "perturbation_scale")
 
+ASIDE = ("window", "view", "selected")
+"""What of a scene does not belong to an example: where one looks."""
+
+CHANGED = ", changed since: choose it under Examples to have it back."
+"""What follows the title of an example whose scene is another one now."""
+
+
+class _Example(NamedTuple):
+    """An example, and what the scene was with it."""
+
+    preset: Preset
+    system: core.PiecewiseSystem
+    settings: Mapping[str, object]
+
 
 class Sidebar(pn.viewable.Viewer):
     """The controls of one scene.
@@ -94,11 +108,11 @@ class Sidebar(pn.viewable.Viewer):
         self._made: dict[str, list[NumberField]] = {}
         self._placed: dict[str, list[NumberField]] = {}
         self._built_for: core.PiecewiseSystem | None = None
-        self._preset: core.PiecewiseSystem | None = None  # of the preset whose note is shown
+        self._example: _Example | None = None  # whose note is shown
         scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
         scene.param.watch(self._choose, ["system", "own", "axes"])
         scene.param.watch(self._enable, ["system", "own", "methods", "locate", "slide", "perturbation_order"])
-        scene.param.watch(self._leave_example, [name for name in scene.param if name not in ("name", "window")])
+        scene.param.watch(self._compare_example, [*self._settings()])
         self._sync()
         self._choose()
         self._enable()
@@ -237,9 +251,7 @@ class Sidebar(pn.viewable.Viewer):
             field.sync()
 
     def _choose(self, *_: Any) -> None:
-        """Show the chosen system and plane, and clear the note of a preset of another system."""
-        if self._preset not in (None, self.scene.declaration):
-            self.preset_note.object = ""
+        """Show the chosen system and plane."""
         self.system.offer(self._systems(), self.scene.system)
         if (plane := self.scene.axes or AUTOMATIC) in self.plane.options.values():
             self.plane.value = plane
@@ -278,17 +290,25 @@ class Sidebar(pn.viewable.Viewer):
 
     def _name_example(self, preset: Preset) -> None:
         """Name the example that the scene shows, and say what to look at and what to try."""
-        self._loading = True
-        self.presets.value = preset.key
-        self._loading = False
-        title = f"<p><b>{escape(preset.title)}</b></p>"
-        self.preset_note.object = title + as_text(preset.look, "about") + as_text(preset.try_, "about")
-        self._preset = self.scene.declaration
+        self._example = _Example(preset, self.scene.declaration, self._settings())
+        self._compare_example()
 
-    def _leave_example(self, *_: Any) -> None:
-        """Name no example once its scene is changed: it can be chosen anew."""
-        if not self._loading:
-            self.presets.value = ""
+    def _compare_example(self, *_: Any) -> None:
+        """Name the example while the scene is its own; then say that it is changed, and with another system nothing."""
+        if self._loading or self._example is None:
+            return
+        preset, system, settings = self._example
+        same = self._settings() == settings
+        self._loading = True
+        self.presets.value = preset.key if same else ""
+        self._loading = False
+        title = f"<p><b>{escape(preset.title)}</b>{CHANGED * (not same)}</p>"
+        note = title + as_text(preset.look, "about") + as_text(preset.try_, "about")
+        self.preset_note.object = note if self.scene.declaration == system else ""
+
+    def _settings(self) -> dict[str, object]:
+        """Return the settings of the scene that belong to an example."""
+        return {name: value for name, value in self.scene.settings().items() if name not in ASIDE}
 
     def _take_at_surface(self, event: Any) -> None:
         self.scene.param.update(**{key: LABELS[key] in event.new for key in ("locate", "slide")})

@@ -15,8 +15,10 @@ from panel.io.state import set_curdoc
 import core
 from pwsviz.page.explorer import ADDRESS_RESTS, WINDOW_RESTS, Explorer
 from pwsviz.page.export_dialog import NOT_YET
+from pwsviz.page.sidebar import CHANGED
 from pwsviz.results.results import Results
 from pwsviz.scene.permalink import query, read
+from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS, View
 from pwsviz.tabs import Tab
@@ -146,6 +148,20 @@ def test_a_preset_is_loaded_and_says_what_to_look_at(explorer):
     assert explorer.settle(60)
     assert explorer.scene.system == "type_sliding"
     assert "every run reaches" in explorer.sidebar.preset_note.object
+
+
+def test_a_changed_example_is_said_to_be_changed_until_it_is_its_own_again(explorer):
+    sidebar = explorer.sidebar
+    sidebar.presets.value = "vf_sliding"
+    explorer.settle(60)
+    explorer.scene.view = "scheme"
+    assert (sidebar.presets.value, CHANGED in sidebar.preset_note.object) == ("vf_sliding", False)
+    explorer.scene.tau = 0.125
+    assert (sidebar.presets.value, CHANGED in sidebar.preset_note.object) == ("", True)
+    explorer.scene.tau = PRESETS["vf_sliding"].settings["tau"]
+    assert (sidebar.presets.value, CHANGED in sidebar.preset_note.object) == ("vf_sliding", False)
+    explorer.scene.system = "kepler"
+    assert (sidebar.presets.value, sidebar.preset_note.object) == ("", "")
 
 
 def test_a_system_of_ones_own_is_used_like_any_other(explorer):
