@@ -11,7 +11,7 @@ from bokeh.events import Event, PointEvent, Tap
 from bokeh.models import ColumnDataSource, CrosshairTool, DataRange1d
 from bokeh.models.glyphs import VSpan, VStrip
 
-from pwsviz.figures.colours import AMBER, GREY, RULE
+from pwsviz.figures.colours import AMBER, GREY, RULE, VERMILION
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.point_cloud import PointCloud
 from pwsviz.figures.style import WITH_TABLE, assign, plain_figure, tips
@@ -65,7 +65,11 @@ class SweepView:
             tips([("", "@words"), ("", "@values")], renderers=[strips]),
             CrosshairTool(dimensions="height", line_color=RULE, line_alpha=1.0, visible=False),
         )
-        self._present, self._early = legend_below(plot, [("chosen value", line), ({"field": "words"}, strips)])
+        self.warned = ColumnDataSource({"x": [np.nan]})
+        doubt = plot.add_glyph(self.warned, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[2, 4]))
+        self._present, self._early, self._doubt = legend_below(
+            plot, [("chosen value", line), ({"field": "words"}, strips), ("see the warning", doubt)]
+        )
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def show(self, found: Diagram) -> None:
@@ -78,6 +82,9 @@ class SweepView:
         self.cloud.show(found.portions, found.round_off)
         assign(self.early, **_strips(found))
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
+        assign(self.warned, x=[found.warned])
+        self._doubt.visible = bool(found.warning)
+        self._doubt.label = value(printed(f"see the warning: {parameter_name(inputs)} = {found.warned:.6g}"))
 
     def mark(self, present: float, name: str) -> None:
         """Put the line at the current value of the parameter."""

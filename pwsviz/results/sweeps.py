@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -63,6 +64,8 @@ class Diagram:
     """Why the first of the values at which no run can begin has none."""
     warning: str = ""
     """What is said against the steps of a run, of those in which rates change most, once all are done."""
+    warned: float = math.nan
+    """The value whose run it is said of."""
 
     @property
     def done(self) -> NDArray[np.bool_]:
@@ -142,7 +145,8 @@ def swept(inputs: SweepInputs, pool: Executor, cancel: Cancel, report: Report) -
         report(int(found.done.sum()), len(values), found)
     if (found.outcomes == NO_START).all():
         raise ValueError(found.refusal)
-    return replace(found, warning=runs.warning())
+    warning, warned = runs.warning()
+    return replace(found, warning=warning, warned=warned)
 
 
 def _portions(inputs: SweepInputs, count: int) -> Iterator[NDArray[np.intp]]:
@@ -198,14 +202,14 @@ class _Runs:
             found = self.extended(found, numbers[k : k + 1])
         return found
 
-    def warning(self) -> str:
-        """Return what is said against the steps of the first of those runs that are most in doubt; empty if nothing."""
+    def warning(self) -> tuple[str, float]:
+        """Return what is said against the steps of the first of those runs most in doubt, and its value; or nothing."""
         told = self._pool.map(lambda doubt: doubt.ensemble.warning(doubt.member), self._worst)
         for doubt, words in zip(self._worst, told, strict=True):
             if words:
                 says = on_page(words.removeprefix(f"Member {doubt.member}: "), self._system.variables)
-                return f"{short_name(self._parameter)} = {doubt.value:.6g}: {says}"
-        return ""
+                return f"{short_name(self._parameter)} = {doubt.value:.6g}: {says}", doubt.value
+        return "", math.nan
 
     def _keep_worst(self, part: core.Sweep) -> None:
         """Keep the runs in which rates change most from step to step."""

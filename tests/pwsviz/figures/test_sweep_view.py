@@ -1,5 +1,7 @@
 """The bifurcation diagram shows what was computed, marks where runs end early, and says so in words."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bokeh.events import Tap
@@ -56,6 +58,15 @@ def test_the_figure_shows_points_and_the_whole_range_of_values():
     assert low < -3.0 < 3.0 < high
     assert view.present.data["x"] == [-2.5]
     assert view._present.label.value == "chosen value, a₋ = −2.5"
+
+
+def test_the_value_that_a_warning_is_about_is_marked():
+    view = SweepView(print, print)
+    view.show(replace(MIXED, warning="a₋ = −1: the step is too long.", warned=-1.0))
+    assert view.warned.data["x"] == [-1.0]
+    assert (view._doubt.visible, view._doubt.label.value) == (True, "see the warning: a₋ = −1")
+    view.show(MIXED)
+    assert not view._doubt.visible, "the legend names no line that is not there"
 
 
 def test_strips_mark_the_values_whose_runs_end_early_and_are_never_empty():

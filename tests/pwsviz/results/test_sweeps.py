@@ -193,8 +193,10 @@ def test_an_angle_loses_full_turns_so_that_a_periodic_bounce_has_one_phase():
 def test_steps_that_are_too_long_are_told_with_the_value_of_the_parameter(continuation):
     for tau, told in ((0.2, True), (0.002, False)):
         scene = Scene(tau=tau, sweep_values=12, sweep_continuation=continuation, sweep_end=100.0)
-        warning = diagram(scene).warning
-        assert warning.startswith("r = ") is told
+        found = diagram(scene)
+        warning = found.warning
+        assert warning.startswith(f"r = {found.warned:.6g}: ") is told
+        assert (found.warned in found.values) is told
         assert ("too long for this field" in warning) is told, warning
 
 
