@@ -15,6 +15,8 @@ METHODS = deep_but(("rk4", "rk8"), ("rk4", "rk8", "gauss4"))
 
 
 class Case(NamedTuple):
+    """A system of one variable, and when it is where."""
+
     system: core.PiecewiseSystem
     after: float
     """Time from x = 0 to x = 1, by quadrature; from x = -1 to x = 0 it is 1."""

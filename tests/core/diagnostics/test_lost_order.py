@@ -16,7 +16,7 @@ def test_a_step_beside_a_root_is_said_to_lose_its_order_whatever_is_recorded(rec
     assert "falls as tau^1.5, not as tau^8" in run.warning
 
 
-@pytest.mark.parametrize("key, method", [("pendulum", "rk4"), ("predator_prey", "rk4"), ("kepler", "dmm4")])
+@pytest.mark.parametrize(("key", "method"), [("pendulum", "rk4"), ("predator_prey", "rk4"), ("kepler", "dmm4")])
 def test_steps_with_large_errors_of_the_right_order_are_not_said_to_lose_it(key, method):
     # Each has a step whose error is more than ten times the median, and 1e-5 of the longest step.
     run = core.integrate(core.CATALOGUE[key], (0.0, 20.0), tau=0.1, method=method)
