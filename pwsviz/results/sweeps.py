@@ -145,7 +145,7 @@ def swept(inputs: SweepInputs, pool: Executor, cancel: Cancel, report: Report) -
         report(int(found.done.sum()), len(values), found)
     if (found.outcomes == NO_START).all():
         raise ValueError(found.refusal)
-    warning, warned = runs.warning()
+    warning, warned = runs.warning(found)
     return replace(found, warning=warning, warned=warned)
 
 
@@ -202,10 +202,15 @@ class _Runs:
             found = self.extended(found, numbers[k : k + 1])
         return found
 
-    def warning(self) -> tuple[str, float]:
-        """Return what is said against the steps of the first of those runs most in doubt, and its value; or nothing."""
-        told = self._pool.map(lambda doubt: doubt.ensemble.warning(doubt.member), self._worst)
-        for doubt, words in zip(self._worst, told, strict=True):
+    def warning(self, found: Diagram) -> tuple[str, float]:
+        """Return what is said against the steps of the first of those runs most in doubt, and its value; or nothing.
+
+        Runs that have left points come first.
+        """
+        shown = set(found.values[found.counts > 0].tolist())
+        doubts = sorted(self._worst, key=lambda doubt: doubt.value not in shown)
+        told = self._pool.map(lambda doubt: doubt.ensemble.warning(doubt.member), doubts)
+        for doubt, words in zip(doubts, told, strict=True):
             if words:
                 says = on_page(words.removeprefix(f"Member {doubt.member}: "), self._system.variables)
                 return f"{short_name(self._parameter)} = {doubt.value:.6g}: {says}", doubt.value
