@@ -29,7 +29,7 @@ _COLUMNS = ("x", "y", "text", "align", "baseline", "dx", "dy")
 
 def surface_labels(system: core.PiecewiseSystem) -> list[str]:
     """Return what each of several surfaces is called in the portrait: “g₁ = x − 1 = 0”, or without g₁ where the names
-    of regions do not tell signs; nothing of a single one.
+    of regions do not tell signs; nothing of a single one. Where it would lie across another surface, it is “g₁ = 0”.
     """
     if len(system.laws.surfaces) < 2:
         return []
@@ -139,6 +139,12 @@ const inside = label => {
   const [low, high] = extent(label), spare = GAP * pixel
   return { ...label, x: label.x - Math.max(0, high + spare - across.end) + Math.max(0, across.start + spare - low) }
 }
+// Whether a label of a surface lies across another one.
+const reaches = (label, k) => {
+  const [low, high] = extent(label), others = heights.filter((g, n) => g != null && n != k)
+  const places = Array.from({ length: 9 }, (_, n) => low + (high - low) * n / 8)
+  return others.some(g => new Set(places.map(x => g(x, label.y, t) < 0)).size > 1)
+}
 const touch = (one, other) => {
   const [[a, b], [c, d]] = [one, other].map(extent), spare = GAP * pixel
   return a < d + spare && c < b + spare && Math.abs(one.y - other.y) < 1.5 * LINE * pixel
@@ -151,8 +157,9 @@ const nameSurfaces = () => {
     const label = one => {
       const beside = one.side % 2 == 0  // else above the surface, from that edge on
       const right = beside ? room(one, k, -1) > room(one, k, 1) : one.side == 1  // the text then ends there
-      return inside({ ...one, text: given.surfaces[k], align: right ? "right" : "left", beside,
-                      baseline: beside ? "middle" : "bottom" })
+      const look = { align: right ? "right" : "left", beside, baseline: beside ? "middle" : "bottom" }
+      const whole = inside({ ...one, text: given.surfaces[k], ...look })
+      return reaches(whole, k) ? inside({ ...one, text: whole.text.replace(/ = .* = /, " = "), ...look }) : whole
     }
     const found = INSETS.map(inset => ends(g, inset).map(label).filter(one => !placed.some(other => touch(one, other))))
     const free = found.map(some => some.filter(one => !isMarked(one)))

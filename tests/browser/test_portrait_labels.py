@@ -131,3 +131,15 @@ def assert_room(boxes, width):
         for other in boxes[:k]:
             beside = one["end"] < other["start"] or other["end"] < one["start"]
             assert beside or abs(one["middle"] - other["middle"]) >= 12, (one, other)
+
+
+def test_a_label_that_would_lie_across_another_surface_leaves_out_the_function(visit):
+    scene = Scene()
+    laws = {"+" * k + "-" * (3 - k): LAW for k in range(4)}
+    slits = ("x + 0.375", "x", "x - 0.375")
+    scene.use(core.PiecewiseSystem("Slits", ("x", "y"), surfaces=slits, regions=laws, x0=(-0.4, 0.0)))
+    page = visit(420, 800, query=f"{query(scene)}&t_end=0.1&window=-0.5,0.5,-0.5,0.5")
+    await_painted(page, "Phase portrait")
+    boxes = await_that(page, BOXES.replace("FRAME", FRAME_WIDTH))
+    assert "g₂ = x = 0" in [box["text"] for box in boxes]
+    assert "g₁ = 0" in [box["text"] for box in boxes]
