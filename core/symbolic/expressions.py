@@ -13,7 +13,7 @@ from fractions import Fraction
 import sympy
 
 from core.symbolic.constant_size import CANCELS, Root, attempt, bit_length, root_bits, roots_made, value_of
-from core.symbolic.mistakes import mistake
+from core.symbolic.mistakes import meant, mistake
 from core.symbolic.operations import FUNCTIONS, OPERATIONS, power
 from core.symbolic.source_text import MAX_DIGITS, quoted, to_text
 
@@ -189,6 +189,8 @@ class _Reader:
         hint = "; powers are written **" if isinstance(getattr(node, "op", None), ast.BitXor) else ""
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in self.symbols:
             return self.fail(f"{node.func.id} is not a function; write a product as {node.func.id}*(…)")
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            hint = meant(node.func.id, (*FUNCTIONS, *(SWITCHING if self.switches else ())))
         if self.switches and isinstance(getattr(node, "op", None), ast.BitAnd | ast.BitOr):
             hint = "; conditions are written as (x > 0) & (y > 0), with these parentheses"
         elif self.switches and isinstance(node, ast.Compare):
@@ -217,7 +219,7 @@ class _Reader:
         if name in FUNCTIONS or (self.switches and name in SWITCHING):
             raise self.fail(f"{name} is a function and needs an argument: {name}(…)")
         known = ", ".join(self.symbols)
-        raise self.fail(f"unknown name {name!r}; known are {known}, pi, e")
+        raise self.fail(f"unknown name {name!r}{meant(name, (*self.symbols, *_CONSTANTS))}; known are {known}, pi, e")
 
     # Terms that switch -----------------------------------------------------------------------------------------------
 

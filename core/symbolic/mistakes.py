@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Iterable
+from difflib import get_close_matches
 
-__all__ = ["mistake"]
+__all__ = ["meant", "mistake"]
 
 _TOKENS = re.compile(
     r"(?P<number>(?<!\w)(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)|(?P<name>[A-Za-z_]\w*)"
@@ -18,6 +20,17 @@ _WORDS = {"and", "or", "not", "if", "else", "in", "is", "lambda"}
 #: Kinds of tokens with which an operand ends, and with which one begins.
 _ENDS, _BEGINS = ("number", "name", "close"), ("number", "name", "open")
 _PAIRS = {"(": ")", "[": "]", "{": "}"}
+#: What functions are called elsewhere, and here.
+_ELSEWHERE = {"ln": "log", "sgn": "sign", "signum": "sign", "fabs": "abs", "tg": "tan", "sh": "sinh", "ch": "cosh"}
+#: Likeness of two names, from 0 to 1, from which one may be meant by the other.
+_LIKE = 0.7
+
+
+def meant(name: str, known: Iterable[str]) -> str:
+    """Return a question for the known name that an unknown one is like, in brackets after a space; or nothing."""
+    names = {one.lower(): one for one in known}
+    like = get_close_matches(_ELSEWHERE.get(name.lower(), name.lower()), names, n=1, cutoff=_LIKE)
+    return f" (did you mean {names[like[0]]}?)" if like else ""
 
 
 def mistake(source: str) -> str:

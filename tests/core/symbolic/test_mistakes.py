@@ -32,3 +32,20 @@ def test_what_is_wrong_is_named_with_its_place(text, says):
 def test_a_name_before_a_bracket_is_told_to_be_no_function():
     with pytest.raises(ValueError, match=r"a is not a function; write a product as a\*\(…\)"):
         parse("a(x + 1)", ("x", "a"), "f")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("sinn(x)", "'sinn(x)' is not allowed (did you mean sin?); allowed are"),
+        ("2*ln(x)", "'ln(x)' is not allowed (did you mean log?)"),
+        ("aplha*x", "unknown name 'aplha' (did you mean alpha?); known are x, alpha"),
+        ("alpha*X", "unknown name 'X' (did you mean x?)"),
+        ("alpha*y", "unknown name 'y'; known are"),
+        ("open(x)", "'open(x)' is not allowed; allowed are"),
+    ],
+)
+def test_a_name_that_is_like_a_known_one_is_asked_about(text, says):
+    with pytest.raises(ValueError, match="not allowed|unknown name") as caught:
+        parse(text, ("x", "alpha"), "f")
+    assert says in str(caught.value)
