@@ -30,7 +30,7 @@ OUTCOMES: Mapping[int, Outcome] = {
     WRONG_CROSSINGS: Outcome("incorrect sequence of crossings", "#c47a14"),
     WENT_ON: Outcome("continues where the solution stops", OCHRE),
     Status.ESCAPED: Outcome("the numerical solution blows up", VERMILION),
-    Status.UNSTABLE: Outcome("the scheme diverges from the solution", "#7f1d1d"),
+    Status.UNSTABLE: Outcome("unstable: the step is too long", "#7f1d1d"),
     Status.CONTRADICTION: Outcome("an error of the program", "#000000"),
     Status.NO_CONVERGENCE: Outcome("a step has no solution", PURPLE),
     Status.SINGULAR: Outcome("a step passes a singularity", "#db2777"),
