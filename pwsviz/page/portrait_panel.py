@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-import numpy as np
 import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
@@ -20,18 +19,17 @@ from pwsviz.figures.portrait_text import (
 )
 from pwsviz.figures.summaries import run_lines, run_words
 from pwsviz.geometry.phase_plane import Backdrop
-from pwsviz.geometry.plane import XY, Plane
+from pwsviz.geometry.plane import Plane
 from pwsviz.geometry.projection import PLANE
 from pwsviz.geometry.window import Window
 from pwsviz.page.player import Player
-from pwsviz.page.starts_by_hand import StartsByHand, digits_of
-from pwsviz.page.window_fields import Ends, WindowFields
+from pwsviz.page.sight import Sight
+from pwsviz.page.starts_by_hand import StartsByHand
 from pwsviz.results.orbits import Levels
 from pwsviz.results.requests import InitialValueProblem, RunInputs, run_inputs
 from pwsviz.results.results import Pictures, PortraitInputs, Results
 from pwsviz.scene.checks import Start
 from pwsviz.scene.scene import Scene
-from pwsviz.scene.validation import window
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text, complaint, failure
@@ -106,20 +104,20 @@ class PortraitPanel(pn.viewable.Viewer):
         super().__init__()
         self.scene, self.results, self.scheduler = scene, results, scheduler
         self._on_wait, self._on_show, self._on_end, self._on_hold = on_wait, on_show, on_end, on_hold
-        self.starts = StartsByHand(scene, self._plane, self._refuse)
+        self.starts = StartsByHand(scene, self._place, self._refuse)
         self.portrait = PortraitView(
-            on_window=self._look_at,
+            on_window=lambda seen: self.sight.look_at(seen),
             on_place=self.starts.place,
             on_move=self._drag,
             on_drop=lambda: on_hold(False),
             on_remove=self.starts.remove,
             on_select=self.starts.select,
-            on_zoom=self._keep_window,
-            on_fit=self.fit,
+            on_zoom=lambda seen: self.sight.keep(seen),
+            on_fit=lambda: self.sight.fit(),
             on_double_click=self._fit_instead,
         )
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
-        self.limits = WindowFields(scene, self._seen, self.fit)
+        self.sight = Sight(scene, self.portrait, self._cover)
         self.player = Player(self.portrait)
         self.readout = pn.pane.Bokeh(self.portrait.ground.readout, margin=(14, 4), sizing_mode="stretch_width")
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
@@ -130,17 +128,11 @@ class PortraitPanel(pn.viewable.Viewer):
         self.progress = bar_pane("the phase portrait", margin=0)
         self.shown: Pictures | None = None
         self._warnings: tuple[Any, tuple[str, ...]] = (None, ())  # runs, and what is said against their steps
-        self._aimed_at: tuple[Any, Any, int] = (None, None, -1)  # system, plane, and loads of the scene
-        self._told: Any = None
-        self._fitted: Window | None = None  # what was shown last while the scene had no window
-        scene.param.watch(self._take_window, "window")
-        self._visible: Window | None = None
-        self._covered: Window | None = None  # by the backdrop, since the view was last set
 
     def refresh(self) -> None:
         """Submit the computation of the portrait of the present scene."""
         wanted = PortraitInputs.of(self.scene)
-        window = self._covering() if self._keeps_view(wanted) else None
+        window = self.sight.covering() if self.sight.keeps(wanted) else None
         if self.scheduler.submit(
             "runs", wanted, lambda cancel, _: self._compute(wanted, window, cancel), self._show, patience=0.1
         ):
@@ -213,7 +205,7 @@ class PortraitPanel(pn.viewable.Viewer):
         system, axes = outcome.inputs.declaration, outcome.plane.axes
         self.shown = outcome
         self._mark_starts()
-        self._aim_first(outcome)
+        self.sight.show(outcome)
         self.note.object = law_markup(system) + as_text(portrait_note(system, axes), "about")
         self._tell(outcome)
         self._cover()
@@ -252,81 +244,6 @@ class PortraitPanel(pn.viewable.Viewer):
         beside = WARNS in words or len(shown.summaries) <= FEW
         self.status.param.update(object=words, css_classes=[] if beside else ASIDE)
 
-    def _aim_first(self, shown: Pictures) -> None:
-        """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""
-        if self._keeps_view(shown.inputs):
-            return
-        current, before = self._is_current(shown), self._aimed_at[:2]
-        if current or before != (shown.inputs.declaration, shown.inputs.axes):
-            self._aimed_at = (shown.inputs.declaration, shown.inputs.axes, self.scene.loads if current else -1)
-            self._aim()
-
-    def _take_window(self, event: Any) -> None:
-        """Show the window of the scene, unless it was read off the view."""
-        if event.new != self._told:
-            self._aim(self._fitted, moved=event.old is not None)
-            self._cover()
-
-    def _keeps_view(self, inputs: PortraitInputs) -> bool:
-        """Whether the view stays as it is when these pictures come, if they are those of the present scene."""
-        return self._aimed_at == (inputs.declaration, inputs.axes, self.scene.loads)
-
-    def _is_current(self, shown: Pictures) -> bool:
-        return bool(shown.inputs == PortraitInputs.of(self.scene))
-
-    def _aim(self, usual: Window | None = None, moved: bool = False) -> None:
-        """Let the view show the window of the scene; without one, the usual one or what suits the trajectories.
-
-        `moved` tells that the user has panned or zoomed since the view was last set.
-        """
-        self._told, before, self._covered = self.scene.window, self.portrait.frame, None
-        if self.scene.window is not None:
-            self.portrait.look_at(self._drawn(self.scene.window))
-        elif usual is not None:
-            self.portrait.look_at(usual)
-        else:
-            self.portrait.fit()
-            self._fitted = self.portrait.frame
-        if moved or self.portrait.frame != before:  # else the browser, which shows it already, has nothing to report
-            self._visible = None
-        self.limits.sync()
-
-    def _seen(self) -> Ends:
-        """Return the ends of what is visible, as values of the two variables, rounded to about a pixel."""
-        seen = self._visible or self.portrait.frame or Window(-1.0, 1.0, -1.0, 1.0)
-        plane = self.shown.plane if self.shown is not None else XY
-        ends = plane.values(np.array([seen[::2], seen[1::2]])).T.tolist()
-        return tuple(
-            round(end, digits) for pair, digits in zip(ends, digits_of(seen, plane), strict=True) for end in pair
-        )
-
-    def _drawn(self, ends: Ends) -> Window:
-        """Return the window with these ends, which are values of the two variables."""
-        across, up = self.shown.plane.units if self.shown is not None else XY.units
-        left, right, low, high = ends
-        return Window(left / across, right / across, low / up, high / up)
-
-    def fit(self) -> None:
-        """Let the view show the present trajectories; again when they are computed, if they are not yet."""
-        if self.shown is not None and not self._is_current(self.shown):
-            self._aimed_at = (*self._aimed_at[:2], -1)
-        moved = self.scene.window is not None
-        self._told = None
-        self.scene.window = None
-        self._aim(moved=moved)
-        self._cover()
-
-    def _keep_window(self, seen: Window) -> None:
-        """Keep what the user looks at after panning or zooming, rounded to about a pixel."""
-        self._visible = seen
-        try:
-            self._told = window(self._seen())
-        except ValueError:  # farther out than a link can say
-            return
-        self.scene.window = self._told
-        self.limits.sync()
-        self._cover()
-
     def _mark_starts(self) -> None:
         """Draw the present curves, with the starts of the scene."""
         assert self.shown is not None  # noqa: S101  (called only after the first portrait)
@@ -357,29 +274,9 @@ class PortraitPanel(pn.viewable.Viewer):
             whose = f" ({start}{shown.selected[0].scheme.method})" if several else ""
             self.player.show(outcome, len(shown.selected), whose)
 
-    def _look_at(self, window: Window) -> None:
-        self._visible = window
-        self.limits.sync()
-        self._cover()
-
-    def _covering(self) -> Window | None:
-        """Return the window of a backdrop for the visible part of the plane; None if nothing is visible yet.
-
-        What is seen at rest, and so its level sets and arrows, follows from the window of the scene alone, not from the
-        way on which it was reached; while the user pans, the backdrop that is there serves as long as it suffices.
-        """
-        kept, frame = self.scene.window, self.portrait.frame
-        visible = self._visible or frame
-        if visible is None:
-            return None
-        at_rest = frame if kept is None else self._drawn(kept)
-        offered = [at_rest.surroundings()] if at_rest is not None else []
-        offered += [self._covered] if self._covered is not None else []
-        return next((one for one in offered if one.shows_well(visible)), visible.surroundings())
-
     def _cover(self) -> None:
         """Show a backdrop for the visible part of the plane if it has been computed, or submit its computation."""
-        window = self._covering()
+        window = self.sight.covering()
         if self.shown is None or window is None:
             return
         wanted = _ground_of(self.shown, window)
@@ -399,16 +296,15 @@ class PortraitPanel(pn.viewable.Viewer):
         if isinstance(outcome, Exception):
             self.trouble.object = complaint(outcome)
         else:
-            self._covered = outcome.window
+            self.sight.covered = outcome.window
             self.portrait.show_backdrop(outcome)
 
     # What the user does in the portrait ------------------------------------------------------------------------------
 
-    def _plane(self) -> tuple[Window, Plane]:
+    def _place(self) -> tuple[Window, Plane]:
         """Return what is visible, and the variables that span it with their units."""
-        view = self._visible or self.portrait.frame
-        assert view is not None  # noqa: S101  (a click needs a picture)
-        return view, self.shown.plane if self.shown is not None else XY
+        assert self.sight.visible is not None  # noqa: S101  (a click needs a picture)
+        return self.sight.visible, self.sight.plane
 
     def _refuse(self, reason: ValueError) -> None:
         """Say why nothing can start there, and put back a star that was dropped there."""
@@ -420,7 +316,7 @@ class PortraitPanel(pn.viewable.Viewer):
         """Take back what the first click of two has placed, and show the trajectories there were."""
         if self.starts.take_back():
             self.trouble.object = ""
-        self.fit()
+        self.sight.fit()
 
     def _drag(self, index: int, x: float, y: float) -> None:
         self._on_hold(True)
@@ -428,13 +324,14 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return portrait, player and notes in a column."""
+        limits = self.sight.limits
         row = pn.Row(
-            self.player.button, self.limits.button, self.readout, Disclosure(self.limits.button, self.limits.box),
+            self.player.button, limits.button, self.readout, Disclosure(limits.button, limits.box),
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
         return pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
-            self.pane, row, self.player, self.limits, self.trouble, self.status, self.note,
+            self.pane, row, self.player, limits, self.trouble, self.status, self.note,
             margin=0, sizing_mode="stretch_width", stylesheets=[NARROW_CSS],
         )  # fmt: skip
 

@@ -46,6 +46,6 @@ def test_a_name_before_a_bracket_is_told_to_be_no_function():
     ],
 )
 def test_a_name_that_is_like_a_known_one_is_asked_about(text, says):
-    with pytest.raises(ValueError, match="not allowed|unknown name") as caught:
+    with pytest.raises(ValueError, match=r"not allowed|unknown name") as caught:
         parse(text, ("x", "alpha"), "f")
     assert says in str(caught.value)

@@ -26,8 +26,8 @@ def counts(explorer):
 def test_a_link_shows_the_level_sets_and_arrows_that_its_reader_saw_before(explorer):
     panel = explorer.portrait_panel
     for window in (Window(-3.0, 1.0, -2.0, 2.0), Window(-2.6, 1.4, -1.8, 2.2), Window(-1.9, 2.1, -1.7, 2.3)):
-        panel._look_at(window)  # as the browser tells of a pan, and then of its end
-        panel._keep_window(window)
+        panel.sight.look_at(window)  # as the browser tells of a pan, and then of its end
+        panel.sight.keep(window)
         explorer.settle(20)
     opened = Explorer(Scene(), Results())
     opened.scene.restore(read(query(explorer.scene))[0])
@@ -115,7 +115,7 @@ def test_undo_of_a_zoom_brings_back_the_view_before_it_and_fit_fits_anew(explore
     before = panel.portrait.frame
     scene.place((3.0, 0.0))
     explorer.settle(20)
-    panel._keep_window(Window(-1.0, 1.0, -1.0, 1.0))
+    panel.sight.keep(Window(-1.0, 1.0, -1.0, 1.0))
     for _ in range(2):
         explorer.history.undo()
         explorer.settle(20)
@@ -123,7 +123,7 @@ def test_undo_of_a_zoom_brings_back_the_view_before_it_and_fit_fits_anew(explore
     assert len(scene.starts) == 1
     scene.place((3.0, 0.0))
     explorer.settle(20)
-    panel.fit()
+    panel.sight.fit()
     assert panel.portrait.frame.x_high > before.x_high
 
 
@@ -131,11 +131,11 @@ def test_undo_of_a_zoom_brings_back_the_view_before_it_and_fit_fits_anew(explore
 def test_the_ground_of_a_view_that_was_left_is_not_shown_until_the_browser_tells_of_the_new_one(explorer, by):
     panel = explorer.portrait_panel
     explorer.settle(20)
-    panel._keep_window(Window(-40.0, 40.0, -40.0, 40.0))
+    panel.sight.keep(Window(-40.0, 40.0, -40.0, 40.0))
     explorer.settle(20)
-    {"fit": panel.fit, "undo": explorer.history.undo}[by]()
+    {"fit": panel.sight.fit, "undo": explorer.history.undo}[by]()
     explorer.settle(20)
-    assert panel._covered == panel.portrait.frame.surroundings()
+    assert panel.sight.covered == panel.portrait.frame.surroundings()
 
 
 def test_another_projection_shows_other_variables(explorer):

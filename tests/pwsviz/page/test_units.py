@@ -73,7 +73,7 @@ def test_arrows_are_tangents_of_the_curves_seen(spring):
 
 def test_limits_link_and_tables_have_values_of_the_variables(spring):
     panel = spring.portrait_panel
-    panel._keep_window(panel.portrait.frame._replace(y_low=-2.0, y_high=2.0))
+    panel.sight.keep(panel.portrait.frame._replace(y_low=-2.0, y_high=2.0))
     assert spring.scene.window[2:] == (-2.0 * SPEED, 2.0 * SPEED)
     table = drawn_table(panel.shown)["drawn"]()
     assert np.nanmax(table["y"]) == pytest.approx(SPEED, rel=1e-3)
