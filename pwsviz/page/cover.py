@@ -14,9 +14,10 @@ from pwsviz.figures.colours import ON_DARK
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.still import still
 from pwsviz.figures.style import HEIGHT
-from pwsviz.page.help import GREETING, GREETING_CSS
+from pwsviz.page.help import GREETING_CSS, greeting
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.first import first_scene
+from pwsviz.scene.presets import FIRST_LOOK, PRESETS
 from pwsviz.widgets.browser import CRAMPED, IS_DARK, LOW, NARROW
 
 __all__ = ["COLUMNS", "LEAST", "SIDEBAR_WIDTH", "Cover", "portrait_of_a_fresh_page"]
@@ -118,10 +119,10 @@ class Cover:
 
 
 MARKUP_OF_THE_PAGE = (
-    MARKUP.replace("TONES", TONES).replace("GREETING_CSS", GREETING_CSS).replace("GREETING", GREETING)
-    .replace("COLUMNS", COLUMNS).replace("SIDEBAR", str(SIDEBAR_WIDTH)).replace("HEIGHT", HEIGHT)
-    .replace("NARROW", str(NARROW)).replace("CRAMPED", CRAMPED)
-    .replace("LOW", str(LOW)).replace("LEAST", str(LEAST)).replace("IS_DARK", IS_DARK)
+    MARKUP.replace("TONES", TONES).replace("GREETING_CSS", GREETING_CSS)
+    .replace("GREETING", greeting(PRESETS[FIRST_LOOK])).replace("COLUMNS", COLUMNS)
+    .replace("SIDEBAR", str(SIDEBAR_WIDTH)).replace("HEIGHT", HEIGHT)
+    .replace("NARROW", str(NARROW)).replace("CRAMPED", CRAMPED).replace("LOW", str(LOW)).replace("LEAST", str(LEAST)).replace("IS_DARK", IS_DARK)
 )  # fmt: skip
 
 

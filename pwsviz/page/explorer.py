@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import nullcontext
 from functools import cached_property, partial
-from html import escape
 from typing import Any
 
 import panel as pn
@@ -17,9 +16,10 @@ from pwsviz.figures.linking import link_portrait
 from pwsviz.page.cover import Cover
 from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
+from pwsviz.page.header import footer, header
 from pwsviz.page.headline import Headline
-from pwsviz.page.help import ABOUT, CITATION, Help
-from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, NOT_IN_LECTURES, NOT_ON_PHONES, STACK_CSS, TABS_SX
+from pwsviz.page.help import Help
+from pwsviz.page.look import GRID_CSS, STACK_CSS, TABS_SX
 from pwsviz.page.pieces import pieces_of
 from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
 from pwsviz.page.sidebar import Sidebar
@@ -39,10 +39,8 @@ from pwsviz.text.words import as_text, failure
 from pwsviz.widgets.announcer import Announcer
 from pwsviz.widgets.browser import CRAMPED, REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
-from pwsviz.widgets.focus import hand_on
-from pwsviz.widgets.kept import kept
 from pwsviz.widgets.lecture import Lecture
-from pwsviz.widgets.panes import markup_pane, text_pane
+from pwsviz.widgets.panes import text_pane
 
 RESULTS = Results()
 """Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
@@ -88,7 +86,8 @@ class Explorer(pn.viewable.Viewer):
         self._example: Preset | None = None  # that a page shows which is opened without a link
         if scene is None and pn.state.location is not None:
             self._begin(pn.state.location.search)  # before anything is computed
-        self.scheduler, self.history, self.headline = Scheduler(), History(self.scene), Headline(self.scene)
+        self.scheduler, self.history = Scheduler(), History(self.scene)
+        self.headline = Headline(self.scene, self._example)
         self.announcer = Announcer(sizing_mode="fixed", width=0, height=0, margin=0)
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
         self.portrait_panel = PortraitPanel(
@@ -362,7 +361,7 @@ class Explorer(pn.viewable.Viewer):
         )  # fmt: skip
         both = pn.Column(left, self._views, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(
-            self.notice, self.headline.greeting, both, self._about(),
+            self.notice, self.headline.greeting, both, footer(),
             stylesheets=[STACK_CSS], margin=(8, 16), sizing_mode="stretch_width",
         )  # fmt: skip
 
@@ -398,44 +397,15 @@ class Explorer(pn.viewable.Viewer):
             self._views.objects = [self.tabs, self.editing, self.export, self.help]
 
     def _header(self) -> list[Any]:
-        undo = pmui.IconButton(
-            icon="undo", description="Undo (Ctrl+Z)", size="small", margin=(4, 0, 4, 4), sx=NOT_IN_LECTURES
+        return header(
+            self.history,
+            self.headline.tagline,
+            undo=self._undo,
+            redo=self._redo,
+            export=lambda: self.export.open(self._page_address()),
+            lecture=self.lecture.turn,
+            ask=lambda: self.help.open(self.lecture.large),
         )
-        undo.on_click(lambda _: self._undo())
-        redo = pmui.IconButton(
-            icon="redo", description="Redo (Ctrl+Y)", size="small", margin=(4, 4, 4, 0), sx=NOT_IN_LECTURES
-        )
-        redo.on_click(lambda _: self._redo())
-        self.history.param.watch(kept(undo, disabled=lambda: not self.history.can_undo), "can_undo")
-        self.history.param.watch(kept(redo, disabled=lambda: not self.history.can_redo), "can_redo")
-        for button, other in ((undo, redo), (redo, undo)):
-            hand_on(button, other)
-        export = pmui.Button(
-            label="Export & share",
-            icon="ios_share",
-            variant="text",
-            size="small",
-            margin=4,
-            sx=HEADER_SX | NOT_IN_LECTURES,
-        )
-        export.on_click(lambda _: self.export.open(self._page_address()))
-        ask = pmui.IconButton(icon="help_outline", description="Help (?)", size="small", margin=4)
-        ask.on_click(lambda _: self.help.open(self.lecture.large))
-        lecture = pmui.IconButton(
-            icon="co_present", description="Lecture mode (L)", size="small", margin=4, sx=NOT_ON_PHONES
-        )
-        lecture.on_click(lambda _: self.lecture.turn())
-        parts: list[Any] = [undo, redo, export, lecture, ask, self.headline.tagline]
-        for part in parts:
-            part.align = "center"
-        return parts
-
-    @staticmethod
-    def _about() -> pn.pane.HTML:
-        """Return what the page is, for whom, and where its method comes from."""
-        pane = markup_pane(ABOUT_CSS)
-        pane.object = f'<footer><p class="about">{escape(ABOUT)}</p><p>Method: {CITATION}</p></footer>'
-        return pane
 
     @staticmethod
     def _page_address() -> str:

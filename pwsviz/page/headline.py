@@ -7,7 +7,7 @@ from html import escape
 from param.parameterized import Watcher
 
 from pwsviz.figures.portrait_text import law_line, run_line
-from pwsviz.page.help import ABOUT, GREETING, GREETING_CSS
+from pwsviz.page.help import ABOUT, GREETING_CSS, greeting, look_of
 from pwsviz.page.look import TAGLINE_CSS
 from pwsviz.scene.presets import Preset
 from pwsviz.scene.scene import Scene
@@ -20,7 +20,7 @@ SHOWN = ["values", "tau", "t_end", "locate", "perturbation_order", "perturbation
 
 
 class Headline:
-    """Two panes that follow the system of a scene.
+    """Two panes that follow the system of a scene, which may be that of an example from the beginning.
 
     Attributes
     ----------
@@ -31,11 +31,11 @@ class Headline:
         system is chosen its name, and with an example what to look at.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, example: Preset | None = None) -> None:
         self.scene = scene
         self._of_lecture: Watcher | None = None
         self.tagline, self.greeting = markup_pane(TAGLINE_CSS), markup_pane(GREETING_CSS)
-        self.greeting.object = GREETING
+        self.greeting.object = greeting(example)
         if scene.system != Scene.param.system.default:
             self.show()
         self._write_tagline()
@@ -51,9 +51,7 @@ class Headline:
     def show(self, preset: Preset | None = None) -> None:
         """Show the name of the system, and what to look at in an example that has just been loaded."""
         self._write_tagline()
-        words = f"<b>{escape(self.scene.declaration.name)}</b>"
-        if preset is not None:
-            words = f"<b>{escape(preset.title)}.</b> {escape(preset.look)}"
+        words = f"<b>{escape(self.scene.declaration.name)}</b>" if preset is None else look_of(preset)
         self.greeting.object = f'<p class="greeting">{words}</p>'
 
     def _write_tagline(self) -> None:

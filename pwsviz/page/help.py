@@ -9,12 +9,13 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
+from pwsviz.scene.presets import Preset
 from pwsviz.text.numbers import printed
 from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.panes import PLAIN_SX, markup_pane
 
-__all__ = ["ABOUT", "CITATION", "FIRST", "GREETING", "GREETING_CSS", "Help"]
+__all__ = ["ABOUT", "CITATION", "FIRST", "GREETING_CSS", "Help", "greeting", "look_of"]
 
 ABOUT = (
     "Integrate systems whose vector field changes across a surface, and see what each integrator conserves. "
@@ -28,16 +29,28 @@ FIRST = (
 )
 """The first thing to try; shown until an example is chosen."""
 
-GREETING = (
-    '<p class="greeting">Integrate systems whose vector field changes across a surface. Tap in the portrait to start a '
-    "trajectory; examples are behind ☰.</p>"
-)
-"""Both on a narrow screen, above the portrait: the controls are out of sight there. As markup."""
-
 GREETING_CSS = f"""
 .greeting {{ font: 13px/18px Roboto, Helvetica, Arial, sans-serif; min-height: 36px; margin: 0; opacity: 0.8; }}
 @media (width >= {NARROW}px) {{ .greeting {{ display: none; }} }}
 """
+
+
+def greeting(example: Preset | None) -> str:
+    """Return what to try, and what an example shows, as markup.
+
+    On a narrow screen it stands above the portrait: the controls are out of sight there.
+    """
+    words = (
+        "Integrate systems whose vector field changes across a surface. Tap in the portrait to start a trajectory; "
+        "examples are behind ☰."
+    )
+    return f'<p class="greeting">{words}{f" {look_of(example)}" if example is not None else ""}</p>'
+
+
+def look_of(example: Preset) -> str:
+    """Return what to look at in an example, as markup."""
+    return f"<b>{escape(example.title)}.</b> {escape(example.look)}"
+
 
 CITATION = (
     "A. N. Hirani, A. T. S. Wan, N. Wojtalewicz, "
