@@ -142,7 +142,8 @@ def step_warning(run: Trajectory) -> str:
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
     again = with_steps(run)
-    return _warning(again) or (_warning(run) if again.steps < run.steps else "")
+    partly = again.steps < run.steps or again.crossing_count < run.crossing_count
+    return _warning(again) or (_warning(run) if partly else "")
 
 
 def _warning(run: Trajectory) -> str:

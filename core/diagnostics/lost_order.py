@@ -20,50 +20,52 @@ from core.kernels.arrays import Floats
 
 __all__ = ["too_long_for_the_order"]
 
-#: Least error that is reported, as part of the longest way of a step.
-_LEAST = 1e-5
-#: Least error that is reported, in units of the median error of the steps examined.
-_TIMES_MEDIAN = 10.0
-#: Part of its order that a method keeps at the least: errors of a smooth field that happen to cancel hide some of it.
-_KEPT = 0.5
+#: Least error that is reported, as part of the longest way of a step, and the part of its order that a method keeps.
+_LEAST, _KEPT = 1e-5, 0.5
+#: Error from which on a method has to keep all of its order but one.
+_LARGE = 1e-3
+#: Part of the sum of the usual errors of all steps, which are taken for the median error, that is reported.
+_OF_ALL = 0.2
 #: Error of a step by rounding of the state, relative to it.
 _ROUNDING = 2.0**-48
 #: Most steps, those with the largest errors, of which the order is estimated.
 _MOST = 64
 
 
-class _Step(NamedTuple):
-    """Of each of some steps."""
+class _Largest(NamedTuple):
+    """Of some steps."""
 
-    error: Floats
-    """Distance between its end and that of two halves, in units of the longest way."""
-    of_half: Floats
-    """Distance between the ends of two halves and of four quarters."""
+    errors: Floats
+    """(k, 3) distances between the ends of a step and of two halves, of these and of four quarters, of these and of
+    eight parts, in units of the longest way."""
     of_rounding: Floats
-    """A bound on what rounding adds to either."""
+    """(k,) bounds on what rounding adds to each."""
 
 
 def too_long_for_the_order(groups: Sequence[Steps]) -> Iterator[str]:
     """Warn of the step with the largest error that does not fall with the step as the order of the method says."""
     steps = reduce(Steps.with_others, groups)
-    if steps.method.order is None or not len(steps):
+    p = steps.method.order
+    if p is None or not len(steps):
         return
     rows, found = _largest(steps)
     with np.errstate(all="ignore"):
-        order = np.log2(found.error / found.of_half)
-        least = np.maximum(found.of_rounding * 2.0**steps.method.order, _LEAST)
-        lost = (order < _KEPT * steps.method.order) & (found.error > least)
+        halved = np.log2(found.errors[:, :-1] / found.errors[:, 1:])
+        told = found.errors[:, :1] > found.of_rounding[:, None] * 2.0 ** (p * np.arange(1, 3))
+        order = np.where(told, halved, np.inf).min(axis=1)
+        bound = np.where(found.errors[:, 0] > _LARGE, max(p - 1.0, _KEPT * p), _KEPT * p)
+        lost = order < bound
     if lost.any():
-        worst = int(np.argmax(np.where(lost, found.error, 0.0)))
+        worst = int(np.argmax(np.where(lost, found.errors[:, 0], 0.0)))
         yield (
             f"{steps.named(rows[worst])} is too long for {steps.method.name} to keep its order: the field changes too "
-            f"fast in it, so that the error, {found.error[worst]:.1g} of the longest step, falls as "
-            f"tau^{max(order[worst], 0.0):.2g}, not as tau^{steps.method.order}; take a far smaller tau, or the method "
+            f"fast in it, so that the error, {found.errors[worst, 0]:.1g} of the longest step, falls as "
+            f"tau^{max(order[worst], 0.0):.2g}, not as tau^{p}; take a far smaller tau, or the method "
             f"taylor, which chooses its steps"
         )
 
 
-def _largest(steps: Steps) -> tuple[NDArray[np.intp], _Step]:
+def _largest(steps: Steps) -> tuple[NDArray[np.intp], _Largest]:
     """Rows of the steps with the largest errors, none of them usual, and what is known of these steps."""
     whole, halves = _end(steps, 1), _end(steps, 2)
     with np.errstate(all="ignore"):
@@ -71,12 +73,13 @@ def _largest(steps: Steps) -> tuple[NDArray[np.intp], _Step]:
         unit = np.where(unit > 0.0, unit, np.inf)
         error = np.nan_to_num((np.abs(whole - halves) / unit).max(axis=1), nan=0.0, posinf=0.0)
     rows = np.argsort(-error, kind="stable")[:_MOST]
-    rows = rows[error[rows] > max(_TIMES_MEDIAN * float(np.median(error)), _LEAST)]
+    rows = rows[error[rows] > max(_OF_ALL * steps.run.steps * float(np.median(error)), _LEAST)]
     some = steps.some(rows)
+    quarters, eighths = _end(some, 4), _end(some, 8)
     with np.errstate(all="ignore"):
-        of_half = (np.abs(halves[rows] - _end(some, 4)) / unit).max(axis=1)
+        later = [(np.abs(a - b) / unit).max(axis=1) for a, b in ((halves[rows], quarters), (quarters, eighths))]
         rounding = ((noise(some) + _ROUNDING * np.abs(some.x)) / unit).max(axis=1)
-    return rows, _Step(error[rows], of_half, rounding)
+    return rows, _Largest(np.column_stack([error[rows], *later]), rounding)
 
 
 def _end(steps: Steps, count: int) -> Floats:

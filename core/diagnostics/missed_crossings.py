@@ -30,7 +30,7 @@ def too_long_for_g(steps: Steps, hidden: NDArray[np.bool_]) -> Iterator[str]:
     if hidden.any():
         yield (
             f"{steps.named(np.argmax(hidden))} is too long for this surface: from there on g varies within a step "
-            f"in ways that its values and rates at both ends do not show, so crossings may have been missed; "
+            f"more than its values and rates at the two ends show, so crossings may have been missed; "
             f"{steps.advice}"
         )
 

@@ -40,7 +40,7 @@ def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
     If the step passes a singularity of the field, the solution runs away or ends there. Else, if the state has grown
     beyond bounds, the exact solution is followed from where the mode was entered, through the step that failed. If a
     step fails elsewhere, the solution is followed for some steps from here. For a state beyond bounds, how the solution
-    grows is returned, too.
+    grows is returned, too: None where a step fails before the state has grown.
 
     It is followed by shorter steps of the method itself, and where these do not tell, by an implicit method.
     """
@@ -68,7 +68,9 @@ def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
         return Status.CANCELLED if cancel is not None and cancel() else runner.status, None
     if growth is Growth.BOUNDED:
         return Status.UNSTABLE if grown else runner.status, growth
-    return Status.ESCAPED, growth if runner.status is Status.ESCAPED else None
+    if runner.status is not Status.ESCAPED:
+        growth = Growth.POLE if grown else None
+    return Status.ESCAPED, growth
 
 
 class Cause(NamedTuple):
@@ -169,6 +171,8 @@ def reason(end: Ending) -> str:
     """Why a run ended."""
     if end.status is Status.ESCAPED and end.cause.growth is Growth.LARGE:
         return f"the numerical solution grows beyond {BOUND:.0e}, up to which a run takes its numbers".replace("+", "")
+    if end.status is Status.ESCAPED and end.cause.growth is None and not end.cause.singular:
+        return "the next step cannot be made, as the solution grows beyond bounds within a few steps from here"
     if end.status is Status.CORNER:
         return f"{end.status.reason}, and {end.cause.why_cornered}"
     if end.status is Status.SLIDING and end.cause.jumped:

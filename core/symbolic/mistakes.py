@@ -38,7 +38,7 @@ def mistake(source: str) -> str:
     tokens = [(str(found.lastgroup), found[0]) for found in _TOKENS.finditer(source)]
     tokens = [("sign", text) if text in _WORDS else (kind, text) for kind, text in tokens]
     if ("sign", "=") in tokens:
-        return "write what stands right of = alone"
+        return "of a law write what stands right of = alone, of g or psi the difference of both sides"
     if ("sign", "^") in tokens:
         return _unpaired(tokens) or "write powers as **"
     if ("sign", "|") in tokens:

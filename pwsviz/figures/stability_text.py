@@ -10,6 +10,7 @@ import core
 from core.studies import ENDINGS, NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
 from pwsviz.figures.marks import ENDS
 from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
+from pwsviz.results.resting import ROUND_OFF
 from pwsviz.results.studies import LIMITS_OF_TAU
 from pwsviz.text.advice import on_page
 from pwsviz.text.math_names import variable_name
@@ -117,7 +118,8 @@ def _never_cross(study: core.StabilityStudy) -> str:
         return ""
     met = study.map.expected_met.any(axis=1) | (study.map.expected != core.Status.COMPLETED)
     without = met[~met].tolist()
-    return f"{_how_many(without, met)} the solution has no crossings to t = {study.t_span[1]:.4g}. " if without else ""
+    words = f"{_how_many(without, met)} the solution has no crossings to t = {study.t_span[1]:.4g}, and "
+    return f"{words}a run without any counts as correct. " if without else ""
 
 
 def _how_many(ends: Sized, expected: Sized) -> str:
@@ -141,7 +143,8 @@ def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
     name = variable_name(study.coordinate_name)
     if not grazing.found:
         return f"No tangency was found: for no {name} in the range searched does the trajectory touch the surface."
-    place = ", ".join(f"{v:.4g}" for v in grazing.state)
+    size = max(np.abs(grazing.state).max(), np.abs(study.x0).max())
+    place = ", ".join(f"{0.0 if abs(v) < ROUND_OFF * size else v:.4g}" for v in grazing.state)
     start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g},"
     words = [
         f"{start} at ({place}).",

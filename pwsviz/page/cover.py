@@ -122,7 +122,8 @@ MARKUP_OF_THE_PAGE = (
     MARKUP.replace("TONES", TONES).replace("GREETING_CSS", GREETING_CSS)
     .replace("GREETING", greeting(PRESETS[FIRST_LOOK])).replace("COLUMNS", COLUMNS)
     .replace("SIDEBAR", str(SIDEBAR_WIDTH)).replace("HEIGHT", HEIGHT)
-    .replace("NARROW", str(NARROW)).replace("CRAMPED", CRAMPED).replace("LOW", str(LOW)).replace("LEAST", str(LEAST)).replace("IS_DARK", IS_DARK)
+    .replace("NARROW", str(NARROW)).replace("CRAMPED", CRAMPED)
+    .replace("LOW", str(LOW)).replace("LEAST", str(LEAST)).replace("IS_DARK", IS_DARK)
 )  # fmt: skip
 
 

@@ -153,8 +153,8 @@ class ExportDialog(pn.viewable.Viewer):
         """Make the widgets at the first opening, so that the page itself loads sooner."""
         return [
             self.link, self._copy("Copy the link", "field", self.link),
-            heading("Python"), self.program, self._copy("Copy the program", "pane", self.program),
             heading("Data and figures"), self._make_choices(), self.numbers, self.complaints,
+            heading("Python"), self.program, self._copy("Copy the program", "pane", self.program),
         ]  # fmt: skip
 
     @staticmethod

@@ -68,8 +68,8 @@ _USE = (
     "with τ? Crossing time: how accurate are the times of crossings? Cost: what does accuracy cost? Section: where do "
     "trajectories meet a surface? Stability: which step sizes work? Sweep: what does a parameter change? Scheme: what "
     "is computed?",
-    "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0, in the colours of their "
-    "starts or, of several surfaces, of these. A click there starts a trajectory on the surface, with the conserved "
+    "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0. Colours tell the starts, "
+    "or the surfaces if there are several. A click there starts a trajectory on the surface, with the conserved "
     "quantities of the selected one.",
     "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "
     "once a transient is over. Click in it to set the parameter. Under “more”: which surface, how many points, and "

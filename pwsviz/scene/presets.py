@@ -52,7 +52,7 @@ def _first_look() -> tuple[Preset, ...]:
         Preset(
             FIRST_LOOK, "A first look", "",
             "Two integrators of order 2, τ = 0.08: dmm2 keeps ψ to round-off; the trajectory of rk2 spirals outwards.",
-            "Halve τ: |Δψ| of rk2 falls about ninefold. dmm2 errs in phase alone: open Order. Then drag the star.",
+            "Halve τ: |Δψ| of rk2 falls ninefold, as τ³. dmm2 errs in phase alone: see Order. Then drag the star.",
             {**_CURVE, "tau": 0.08, "view": "conserved"},
         ),
     )  # fmt: skip
@@ -172,7 +172,7 @@ def _stopping() -> tuple[Preset, ...]:
     return (
         Preset(
             "grazing", "Touching the surface", "",
-            "Three swings of a pendulum towards α = 0.5: one falls short, one crosses, one touches it and stops there.",
+            "Three swings of a pendulum: short of α = 0.5, across it, and just to it, where rounding would decide.",
             "Move the start that touches, or α, by 10⁻⁶: the swing falls short or crosses.",
             {
                 "system": "pendulum", "starts": ((-0.35, 0.0), (-0.65, 0.0), (-0.5, 0.0)),
@@ -204,7 +204,7 @@ def _comparisons() -> tuple[Preset, ...]:
         ),
         Preset(
             "kepler", "A planet and a shell of dust", "",
-            "Outside the shell its mass attracts, too; prk8 conserves energy and angular momentum to "
+            "Outside the shell, its mass attracts as well; prk8 conserves energy and angular momentum to "
             "within 3×10⁻¹⁵, rk4 does not.",
             "Set μ₊ = μ₋: the shell has no mass, and the planet stays on one Kepler ellipse.",
             {"system": "kepler", "methods": ["rk4", "prk8"], "tau": 0.01, "t_end": 60.0, "view": "conserved"},

@@ -56,8 +56,8 @@ JUMPS_MARKED = "Jumps are marked at the state before each."
 
 def whose_marks(methods: Sequence[str], crossings: int) -> str:
     """Say of several integrators whose shades are shown, and whose crossings are marked if there are any."""
-    shown = "Marks at surfaces and shading are those" if crossings else "Shading is that"
-    return f"{shown} of {methods[0]}." if len(methods) > 1 else ""
+    shown = "Crossing marks and shading refer" if crossings else "Shading refers"
+    return f"{shown} to {methods[0]}." if len(methods) > 1 else ""
 
 
 def plural(count: int, noun: str) -> str:

@@ -16,7 +16,7 @@ from core.symbolic import parse
         ("x) + 1", "a bracket is missing before one of the )"),
         ("x + * y", "a number or a name is missing before *"),
         ("x -", "a number or a name is missing after -"),
-        ("x = 3*y", "write what stands right of = alone"),
+        ("x = 3*y", "of a law write what stands right of = alone, of g or psi the difference of both sides"),
         ("-x*|x|", "write the absolute value |x| as abs(x)"),
         ("x; y", "';' has no meaning here"),
         ("x ^^ y", "write powers as **"),

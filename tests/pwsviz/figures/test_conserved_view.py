@@ -162,7 +162,7 @@ def test_the_sentence_tells_round_off_from_drift():
     words = (
         "dmm2 conserves ψ to accumulated round-off: max |Δψ| = 8×10⁻¹⁶; rk2 drifts: max |Δψ| = 6.4×10⁻⁷ up to t = 20."
     )
-    words += " Shading is that of dmm2."
+    words += " Shading refers to dmm2."
     assert conserved_text([noise, drifting]) == words
 
 
@@ -200,8 +200,8 @@ def test_eps_is_not_named_where_its_name_would_overlap_that_of_the_lowest_level(
 def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
     many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
     met = replace(curve([0.0, 1e-16]), crossings=np.array([1.0]), sides=np.ones(2))
-    whose, none = "Marks at surfaces and shading are those of dmm2.", "crossings of dmm2 are too dense to mark"
-    assert "Shading is that of dmm2." in conserved_text([curve([0.0, 1e-16]), curve([0.0, 1e-7], "rk2")])
+    whose, none = "Crossing marks and shading refer to dmm2.", "crossings of dmm2 are too dense to mark"
+    assert "Shading refers to dmm2." in conserved_text([curve([0.0, 1e-16]), curve([0.0, 1e-7], "rk2")])
     for first, said, unsaid in ((met, whose, none), (many, none, whose)):
         words = conserved_text([first, curve([0.0, 1e-7], "rk2")])
         assert said in words
