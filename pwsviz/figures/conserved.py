@@ -58,6 +58,9 @@ BELOW_ROUND_OFF = 64.0
 FOOT, BOTTOM = 1 / 7, 1 / 25
 """Heights of the marks of crossings, below every curve, and of the lower end of the axis, relative to this level."""
 
+BARE_BOTTOM = 1 / 2
+"""Height of the lower end without such marks."""
+
 FULL = 400.0
 """Height of the axis above this level, at least."""
 
@@ -150,7 +153,8 @@ class ConservedView:
         """
         methods = [curve.method for curve in errors]
         floor = floor_of(errors)
-        self.figure.yaxis[0].bounds = (floor, NO_BOUND)  # below, marks stand at times, and no numbers at heights
+        for ruled in (self.figure.yaxis[0], self.figure.ygrid[0]):
+            ruled.bounds = (floor, NO_BOUND)  # below, marks stand at times, and no numbers at heights
         heights = [drawable(curve.error[1:], floor) for curve in errors]
         lines_drawn = [_apart(curve, y) for curve, y in zip(errors, heights, strict=True)]
         assign(
@@ -168,8 +172,9 @@ class ConservedView:
         self._draw_round_off(errors[0], floor)
         top = max(float(np.fmax.reduce(y, initial=FULL * floor)) for y in (*heights, self.round_off.data["y"]))
         end = max(curve.t_end for curve in errors)
-        assign(self.corners, x=[0.0, end or 1.0], y=[BOTTOM * floor, 2 * top])
-        self._name_levels(errors[0], LINE * np.log10(2 * top / (BOTTOM * floor)), floor)
+        bottom = floor * (BOTTOM if len(self.instants.data["t"]) else BARE_BOTTOM)
+        assign(self.corners, x=[0.0, end or 1.0], y=[bottom, 2 * top])
+        self._name_levels(errors[0], LINE * np.log10(2 * top / bottom), floor)
         only_g = CHANGE_OF_PSI not in axis_name(errors)
         what = SUMMARY.replace("the conserved quantity", "g while sliding") if only_g else SUMMARY
         describe(self.figure, f"{what}. {conserved_text(errors)}")

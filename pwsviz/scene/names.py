@@ -105,7 +105,8 @@ def _power_of_ten(found: re.Match[str]) -> str:
 
 
 def readable(text: str, system: core.PiecewiseSystem) -> str:
-    """Return an expression as it is printed: powers raised, a dot for products but 2y, names by their symbols.
+    """Return an expression as it is printed: powers raised, a dot for products but 2y, names by their symbols, and spaces
+    around the signs of sums.
 
     Numbers with an exponent, and those with many final zeros, are printed with a power of ten.
     """
@@ -115,4 +116,5 @@ def readable(text: str, system: core.PiecewiseSystem) -> str:
     text = re.sub(r"[A-Za-z_]\w*", lambda name: symbols.get(name[0], name[0]), text)
     text = re.sub(r"\*\*(\d+)(?![\d.])", lambda power: power[1].translate(RAISED), text)
     text = re.sub(r"(?<![\w.^/*)])(?<!\de-)(?<!\*-)(\d+(?:\.\d+)?)\*(?=[^\W\d])(?!e\d)", r"\1", text)
-    return text.replace("**", "^").replace("*", "·").replace("-", "−")
+    text = text.replace("**", "^").replace("*", "·").replace("-", "−")
+    return re.sub(r"(?<=[\w).]) *([+−]) *(?=[\w(.])", r" \1 ", text)

@@ -28,13 +28,16 @@ def table_markup(table: Numbers) -> str:
         return ""
     head = _row(f'<th scope="col">{escape(cell)}</th>' for cell in table.header)
     body = "".join(
-        _row(
-            [f'<th scope="row">{escape(printed(first))}</th>', *(f"<td>{escape(printed(cell))}</td>" for cell in rest)]
-        )
+        _row([f'<th scope="row">{_words(first)}</th>', *(f"<td>{_words(cell)}</td>" for cell in rest)])
         for first, *rest in table.rows
     )
     caption = f"<caption>{escape(printed(table.caption))}</caption>" if table.caption else ""
     return f'<div class="numbers"><table>{caption}<thead>{head}</thead><tbody>{body}</tbody></table></div>'
+
+
+def _words(cell: str) -> str:
+    """Return a cell as markup, in which no equation is broken, as “τ = 0.01”."""
+    return escape(printed(cell)).replace(" = ", "&nbsp;=&nbsp;")
 
 
 def _row(cells: Iterable[str]) -> str:
