@@ -205,9 +205,7 @@ class Declaration(DeclaredTexts):
             wrong = [Problem(field, v.objection, k) for k, v in enumerate(verdicts) if v.objection]
             yield from wrong
             rows = sympy.Matrix([self._gradient(psi) for psi in self.expressions(field).values()])
-            constant = [k for k in range(rows.rows) if rows.row(k).is_zero_matrix] if verdicts and not wrong else []
-            yield from (Problem(field, f"{self._entry(field, k)} is constant: remove it", k) for k in constant)
-            if verdicts and not wrong and not constant and not independent(rows, self._domain(name)):
+            if verdicts and not wrong and not independent(rows, self._domain(name)):
                 words = "their gradients are linearly dependent (or zero), everywhere or in a part of their side; "
                 yield Problem(field, words + "remove what follows from the others")
 
@@ -215,6 +213,8 @@ class Declaration(DeclaredTexts):
         domain, its_field = self._domain(region), self.field_of(region, "psi")
         name, field = self._entry(its_field, k), self.called(self.field_of(region, "f"), None)
         short = self.called(its_field, k)
+        if not any(self._gradient(psi)):
+            return Verdict(f"{name} is constant: remove it")
         remedy = f"correct {short} or {field}, or remove {short}"
         rate = rate_along(self._law(region, "f"), self._x, psi)
         if not has_values((psi, rate), domain):

@@ -321,6 +321,12 @@ def test_a_mistake_is_told_beside_its_field_with_what_would_do(field, text, says
     assert checked.system is None
 
 
+def test_of_a_constant_it_is_not_said_that_it_is_conserved():
+    checked = check(replace(OSCILLATOR, psi_plus="7"))
+    assert "constant" in checked.complaints["psi_plus"]
+    assert [one.conserved for one in checked.conserved["psi_plus"]] == [False]
+
+
 def test_all_fields_are_checked_not_only_the_first_that_is_wrong():
     wrong = Draft(name="", variables="x", f_minus="x x", f_plus="x, 1", g="3", parameters="k", x0="", jump="y")
     assert set(check(wrong).complaints) == {"name", "f_minus", "f_plus", "g", "parameters", "x0", "jump"}
