@@ -1,8 +1,8 @@
 """Test whether shorter steps converge as the order of the method says: beside a singularity of the field they do not.
 
-A method of order p is exact for a field that is smooth along the step. Where a derivative of the field is far larger
-within the step than beside it, as of a root or a logarithm next to the border of where they are real, the error falls
-as a low power of the step instead, and this one step limits the accuracy of the run.
+The error of a way of given length falls as the power p of the step, the order of the method, where the field is smooth
+along the way. Where a derivative is far larger within a step than beside it, as of a root or a logarithm next to the
+border of where they are real, it falls as a lower power, and this one step limits the accuracy of the run.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = ["too_long_for_the_order"]
 
 #: Least error that is reported, as part of the longest way of a step, and the part of its order that a method keeps.
 _LEAST, _KEPT = 1e-5, 0.5
-#: Error from which on a method has to keep all of its order but one.
+#: Error, as part of the longest way, from which on the order may be lower by one at the most.
 _LARGE = 1e-3
 #: Part of the sum of the usual errors of all steps, which are taken for the median error, that is reported.
 _OF_ALL = 0.2

@@ -68,9 +68,9 @@ _WORDS = {
     ),
     Status.GRAZING: (
         "the trajectory touches the surface without a transversal crossing, as far as rounding shows",
-        "Rounding would decide whether it crosses there or turns back, so the run ends. If the exact solution touches, "
-        "no step size helps: change the initial condition or a parameter so that it clearly crosses the surface or "
-        "clearly misses it. If not, take a smaller step size.",
+        "Rounding would decide whether the surface is met there, so the run ends. If the exact solution touches it, no "
+        "step size helps: change the initial condition or a parameter so that it clearly meets the surface or clearly "
+        "misses it. If not, take a smaller step size.",
     ),
     Status.NO_CONVERGENCE: (
         "the equations of the step, or the switching function, have no real solution that could be found",
@@ -126,8 +126,8 @@ _ADVICE_WHILE_SLIDING = {
 }
 
 _WITHOUT_TAU = {
-    Status.GRAZING: "Rounding would decide whether it crosses there or turns back, so the run ends. Change the initial "
-    "condition or a parameter so that it clearly crosses the surface or clearly misses it.",
+    Status.GRAZING: "Rounding would decide whether the surface is met there, so the run ends. Change the initial "
+    "condition or a parameter so that it clearly meets the surface or clearly misses it.",
     Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8 instead.",
     Status.ESCAPED: "The solution may have a pole: end the run before it.",
     Status.SINGULAR: "The solution ends there: end the run before.",

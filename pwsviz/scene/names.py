@@ -105,10 +105,10 @@ def _power_of_ten(found: re.Match[str]) -> str:
 
 
 def readable(text: str, system: core.PiecewiseSystem) -> str:
-    """Return an expression as it is printed: powers raised, a dot for products but 2y, names by their symbols, and spaces
-    around the signs of sums.
+    """Return an expression as it is printed: powers raised, a dot for products but 2y, names by their symbols.
 
-    Numbers with an exponent, and those with many final zeros, are printed with a power of ten.
+    Signs of sums have spaces around them. Numbers with an exponent, and those with many final zeros, are printed with a
+    power of ten.
     """
     text = _TENS.sub(_power_of_ten, text)
     symbols = {name: variable_name(name) for name in system.variables}

@@ -234,7 +234,7 @@ def test_on_a_phone_the_view_begins_on_the_screen_of_the_portrait(visit, system)
 @pytest.mark.deep
 def test_on_a_phone_the_words_on_a_run_that_blows_up_stand_between_the_portrait_and_the_view(visit):
     page = visit(420, 800, query="v=2&tau=0.4")
-    words = page.get_by_text(re.compile("^rk2: .*the numerical solution blows up")).locator("visible=true")
+    words = page.get_by_text(re.compile("^rk2: .*grows beyond bounds")).locator("visible=true")
     assert becomes(page, lambda: words.count() == 1)
     place, tab = words.bounding_box()["y"], page.get_by_role("tab").first.bounding_box()["y"]
     assert canvas(page, "Phase portrait").bounding_box()["y"] < place < tab
