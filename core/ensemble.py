@@ -162,18 +162,19 @@ class Ensemble:
         others, each for two million steps at most. It is worked out when it is first read.
         """
         ends = ", ".join(f"{count} {status.name}" for status, count in self.outcomes.items())
-        told = next(filter(None, map(self.warning, self._doubtful)), "")
-        return f"{len(self)} members: {ends}. {told}".strip()
+        told = ((k, self.warning(k)) for k in self._doubtful)
+        warned = next((f"Member {k}: {words}" for k, words in told if words), "")
+        return f"{len(self)} members: {ends}. {warned}".strip()
 
     def warning(self, member: int) -> str:
-        """What the run of a member warns of, with its number in front; empty where there is nothing to warn of."""
+        """What the run of a member warns of; empty where there is nothing to warn of."""
         if self.status[member] == Status.CANCELLED:
             return ""
         runner = self.members.runner(member, max_steps=_MOST_MADE_AGAIN)
         runner.advance(float(self.t[member]), keep_hits=False)
         told = run_warning(trajectory_of(runner, "end", False, None, run_warning))
         runner.release()
-        return f"Member {member}: {told}" if told else ""
+        return told
 
     @property
     def _doubtful(self) -> list[int]:

@@ -146,7 +146,7 @@ def studied_section(inputs: SectionInputs, pool: Executor, cancel: Cancel, repor
 def _warning(section: core.Section) -> str:
     """Return what is said against the steps of the run of a start."""
     system = section.ensemble.system
-    return on_page(section.ensemble.warning(0).removeprefix("Member 0: "), system.variables)
+    return on_page(section.ensemble.warning(0), system.variables)
 
 
 def _rounds(points: int, discard: int) -> list[int]:

@@ -212,7 +212,7 @@ class _Runs:
         told = self._pool.map(lambda doubt: doubt.ensemble.warning(doubt.member), doubts)
         for doubt, words in zip(doubts, told, strict=True):
             if words:
-                says = on_page(words.removeprefix(f"Member {doubt.member}: "), self._system.variables)
+                says = on_page(words, self._system.variables)
                 return f"{short_name(self._parameter)} = {doubt.value:.6g}: {says}", doubt.value
         return "", math.nan
 

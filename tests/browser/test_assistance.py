@@ -73,7 +73,10 @@ BLUR = """() => {
 
 @pytest.mark.parametrize(
     ("opener", "ready", "last"),
-    [("Export & share", "Copy the link", "TEX"), ("Write your own", "This system is ready.", "Use this system")],
+    [
+        ("Export & share", "Copy the link", "Copy the program"),
+        ("Write your own", "This system is ready.", "Use this system"),
+    ],
 )
 def test_a_window_holds_the_focus_and_esc_closes_it_from_anywhere(visit, opener, ready, last):
     page = visit()
