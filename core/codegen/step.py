@@ -54,6 +54,8 @@ _ROUNDING = 1e-6
 _SMALL = 3
 #: A quotient is lost in round-off where the bound on its rounding exceeds this part of it.
 _NOISE = 2.0**-30
+#: That is asked where the sum that vanishes is less than this part of its terms: elsewhere the field passes zero.
+_NEAR = 2.0**-6
 #: A field whose text has more characters is compiled as a separate function: the time of the call is negligible.
 _LONG = 2500
 
@@ -85,11 +87,19 @@ class StepCode:
         """Lines that move a place where the field is 0/0; the step ends where it would take round-off for the field."""
         lines = lines_beside(self._names.symbols, self._temporaries, [self._mode], t, x)
         place = {**self._names.symbols, **dict(zip(self._mode.variables, x, strict=True)), TIME: t}
-        for f in self._mode.field if self._mode.zeros.noisy else ():
-            size = sympy.Add(*map(magnitude, sympy.Add.make_args(f)))
-            values = [u.xreplace(place) for u in (rounding_bound(f, of_symbols=False) * sympy.Float(2.0**-52), size)]
-            lines += self._assign(["noise", "size"], values)
-            lines += [f"if not noise <= size * {_NOISE}:", f"    return {abi.NO_SOLUTION}"]
+        noisy = self._mode.zeros.noisy
+        if not noisy:
+            return lines
+        lines += [f"near = {not all(u.is_Add for u in noisy)}"]
+        for u in noisy:
+            lines += self._assign(["zero", "size"], [v.xreplace(place) for v in (u, _size(u))])
+            lines += [f"near = near or not abs(zero) > size * {_NEAR}"]
+        lines += ["if near:"]
+        for f in self._mode.field:
+            noise = rounding_bound(f, of_symbols=False) * sympy.Float(2.0**-52)
+            checked = self._assign(["noise", "size"], [v.xreplace(place) for v in (noise, _size(f))])
+            checked += [f"if not noise <= size * {_NOISE}:", f"    return {abi.NO_SOLUTION}"]
+            lines += [f"    {line}" for line in checked]
         return lines
 
     def _move_end(self) -> list[str]:
@@ -361,3 +371,8 @@ class StepCode:
         lines += ["t1 = t + h", *self._beside(Symbol("t1"), self.end), *self._assign(targets, values)]
         lines.append(f"return {' + '.join(self._evaluations) or '0'}")
         return self._called + function_text("step", lines)
+
+
+def _size(u: Expr) -> Expr:
+    """Sum of the sizes of the terms of an expression."""
+    return sympy.Add(*map(magnitude, sympy.Add.make_args(u)))

@@ -62,16 +62,16 @@ def amplified(run: Trajectory) -> Iterator[str]:
     growth = _growth(run)
     if growth.spoilt is not None:
         yield (
-            f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}, where rounding alone may have changed "
-            "the state by a tenth of its range: later states are not those of the exact solution, though averages "
-            "and the set that the orbit fills may be"
+            f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}, where those of rounding alone may "
+            "reach a tenth of the range of the state: later states are not those of the exact solution, though "
+            "averages and the set that the orbit fills may be"
         )
     elif growth.factor > _LARGE:
         growth = _growth(run, of_steps=True)
         if growth.spoilt is not None and _parts(run):
             yield (
-                f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}, where those of the steps have "
-                "changed the state by a tenth of its range: later states are not those of the exact solution; take a "
+                f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}, where those of the steps reach a "
+                "tenth of the range of the state: later states are not those of the exact solution; take a "
                 "smaller "
                 f"{'tolerance' if METHODS[run.method].adaptive else 'tau'}"
             )

@@ -91,7 +91,7 @@ def _sentences(clauses: Iterable[str]) -> str:
 
 
 def _of_laws(system: core.PiecewiseSystem) -> Iterator[str]:
-    """Yield the equations as clauses: “for g < 0: x′ = 2y, which conserve ψ₋ = …”, “S = {g = 0} with g = …”."""
+    """Yield the equations as clauses: “for g < 0: x′ = 2y, conserving ψ₋ = …”, “S = {g = 0} with g = …”."""
     told = equations_of(system)
     short = len(equations(system)) <= LONGEST
     known = f"; they are those of {release()}" * (system.name in {one.name for one in core.CATALOGUE.values()})
@@ -117,7 +117,7 @@ def _resets(resets: Sequence[tuple[str, str]]) -> Iterator[str]:
 def _law(law: Law) -> str:
     before = "in" if law.where.startswith("region") else "for"
     where = f"{before} {law.where}: " if law.where else "equations: "
-    return f"{where}{law.rates}{f', which conserve {law.conserved}' * bool(law.conserved)}"
+    return f"{where}{law.rates}{f', conserving {law.conserved}' * bool(law.conserved)}"
 
 
 def _of_parameters(values: str) -> Iterator[str]:

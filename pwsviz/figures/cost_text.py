@@ -150,9 +150,9 @@ def _reach(curve: CostCurve, target: float, across: Across, up: Up) -> tuple[flo
     return float(cost[k]), curve, k
 
 
-def cost_text(study: core.WorkPrecision, up: Up) -> str:
-    """Return in words what is missing or wrong in a study; empty if nothing is."""
-    parts = []
+def cost_text(study: core.WorkPrecision, across: Across, up: Up) -> str:
+    """Return in words what is missing or wrong in a study, and whose times tell little; empty if nothing is."""
+    parts = [f"{words}."] if across == "seconds" and (words := _in_python(study)) else []
     if not any(np.isfinite(error_of(curve, up)).any() for curve in study.curves):
         parts.append(f"There is no {UP[up]} to show: {_why_none(study, up)}.")
     return " ".join([*parts, *_missing(study)])
@@ -160,7 +160,7 @@ def cost_text(study: core.WorkPrecision, up: Up) -> str:
 
 def cost_details(study: core.WorkPrecision, across: Across, up: Up) -> str:
     """Return in words what a study measures, compile times, and which errors are too small to tell."""
-    measured = _about_evaluations(study) if across == "evaluations" else f"{timed_how(study)}."
+    measured = _about_evaluations(study) if across == "evaluations" else f"{_timed(study)}."
     parts = (measured, _below(study, up), _compiling(study), _comparison(study, up))
     return " ".join(filter(None, parts))
 
@@ -188,10 +188,17 @@ def _about_evaluations(study: core.WorkPrecision) -> str:
 
 def timed_how(study: core.WorkPrecision) -> str:
     """Return what a run time is, on which machine, and of which integrators the field is not compiled."""
+    return "; ".join(filter(None, (_timed(study), _in_python(study))))
+
+
+def _in_python(study: core.WorkPrecision) -> str:
     slow = [c.title for c in study.curves if c.peer and not EXTERNAL_SOLVERS[c.name].compiled]
+    return f"{listed(slow)} evaluates the field in Python, whereas the others use compiled code" if slow else ""
+
+
+def _timed(study: core.WorkPrecision) -> str:
     times = f"the shortest of {study.repeats} runs" if study.repeats > 1 else "one run"
-    call = f"; {listed(slow)} evaluates the field in Python, whereas the others use compiled code" if slow else ""
-    return f"Run time is the processor time of one thread, excluding compilation ({times}; {processor()}){call}"
+    return f"Run time is the processor time of one thread, excluding compilation ({times}; {processor()})"
 
 
 def _compiling(study: core.WorkPrecision) -> str:

@@ -256,7 +256,8 @@ def _write_field(sheet: EquationSheet, sign: str, mode: Mode) -> None:
         return
     if mode.conserved:
         sheet.say(
-            "ψ determines the orbit: f^τ is orthogonal to every row of Λ^τ, its length follows from f, and the step is"
+            "ψ determines the orbit: f^τ is orthogonal to every row of Λ^τ; its length and sign follow from f. "
+            "The step is"
         )
     else:
         sheet.say("The step is the implicit midpoint rule:")

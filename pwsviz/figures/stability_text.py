@@ -18,7 +18,7 @@ from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import listed, plural, rounded_up
 
-__all__ = ["has_limit", "runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
+__all__ = ["has_limit", "map_text", "runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
 
 UNKNOWN = "–"
 """In place of a number that is not known, or that there is not."""
@@ -50,13 +50,18 @@ def stability_text(study: core.StabilityStudy, part: str, caption: bool = False)
         Whether it follows `runs_drawn`, which says already for which start the largest step size holds.
     """
     if part == "map" and (study.map is not None or study.largest_tau is not None):
-        words = f"{_grid(study, not caption)}{_ends_early(study)}{_never_cross(study)}"
-        return f"{words}Reference for the crossings: {study.reference}."
+        words = f"{_grid(study, not caption)}{map_text(study) * caption}"
+        return f"{words} Reference for the crossings: {study.reference}.".replace("  ", " ")
     if part == "drift" and study.drift is not None:
         return _drift_words(study.drift)
     if part == "grazing" and study.grazing is not None:
         return _grazing_words(study, study.grazing)
     return "Nothing is computed yet."
+
+
+def map_text(study: core.StabilityStudy) -> str:
+    """Return what counts as correct in the map where the solution ends early, or meets no surface; empty elsewhere."""
+    return f"{_ends_early(study)}{_never_cross(study)}".strip()
 
 
 def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
@@ -69,7 +74,7 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
         if limits is not None:
             last = ", at the largest τ tried," * (not limits.reason[study.methods.index(method)])
             mark = f"; the diamond{last} is for {start} and runs{_until(study, limits)}"
-        return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}{mark}"
+        return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}, or to one side of crossings near it{mark}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
         return f"integrated by {methods} with step size τ = {tau:.6g} to t = {steps * tau:,.6g}"
@@ -212,8 +217,8 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
         return f", from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected is not core.Status.COMPLETED:
         return f", from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
-    moved = f", as the solution meets or leaves a surface within one step of t = {end:.4g}" * (horizon != end)
-    return f" to t = {horizon:.4g}{moved}"
+    near = f", a quarter of the way between two crossings, as t = {end:.4g} is nearer to one of them"
+    return f" to t = {horizon:.4g}{near * (horizon != end)}"
 
 
 def _shares(study: core.StabilityStudy, found: OutcomeMap, method: str) -> Numbers:

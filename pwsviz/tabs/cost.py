@@ -79,7 +79,7 @@ class CostTab(LongTab):
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         across, up = self.scene.cost_across, self.scene.cost_up
         self.view.show(outcome, across, up)
-        return cost_text(outcome, up)
+        return cost_text(outcome, across, up)
 
     def details(self, outcome: core.WorkPrecision) -> str:
         """Return what is measured and how, and what runs do at crossings if that is unusual."""

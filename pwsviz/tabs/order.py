@@ -153,9 +153,9 @@ class OrderTab(LongTab):
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.3g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
         at = "before the first crossing and after" if self._rows is state_rows else "at"
-        taus += f", compared with the reference {at} {numbered_crossings(first.crossings)}"
+        taus += f", compared with the reference ({first.reference}) {at} {numbered_crossings(first.crossings)}"
         rule = f"{self._times(outcome)} {fit_rule(studied(outcome, self._rows))}".lstrip()
-        return f"integrated by {methods} with {taus}; {crossings}; reference: {first.reference}. {rule}"
+        return f"integrated by {methods} with {taus}; {crossings}. {rule}"
 
     def program(self) -> str:
         """Return the lines that repeat the study."""

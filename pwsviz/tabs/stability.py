@@ -13,7 +13,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import Shown
-from pwsviz.figures.stability_text import has_limit, runs_drawn
+from pwsviz.figures.stability_text import has_limit, map_text, runs_drawn
 from pwsviz.geometry.section_crossings import may_slide
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN, met_at_surfaces
@@ -105,7 +105,7 @@ class StabilityTab(LongTab):
         coloured: Shown = scene.stability_shown if self._knows_psi else "outcome"
         self.view.show(outcome, scene.stability_part, scene.selected_method, coloured)
         self.view.mark(scene.tau, scene.x0[outcome.coordinate])
-        return "" if scene.stability_part == "map" else self._made(outcome)
+        return map_text(outcome) if scene.stability_part == "map" else self._made(outcome)
 
     def details(self, outcome: core.StabilityStudy) -> str:
         """Return in words what the map is made of."""

@@ -3,6 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import core
 from core.symbolic.near_zeros import Choice
@@ -73,3 +74,30 @@ def test_a_zero_common_to_numerator_and_denominator_for_some_parameters_is_calle
     assert run.status is core.Status.SINGULAR
     assert ("0/0" in run.message) is zero_over_zero
     assert ("not bounded" in run.message) is not zero_over_zero
+
+
+def _turning(_t, phi):
+    """Rate of the angle on x² + y² = 2 by Filippov's field of the fields below, for a = 2, p = 0.012, q = 0.27."""
+    x = np.sqrt(2) * np.array([np.cos(phi[0]), np.sin(phi[0])])
+    pulse = 0.05 / (0.012 + (x[1] - 0.27) ** 2)
+    inside = np.array([2 * x[0] - 2 * x[1] + 1, 2 * x[0] + 2 * x[1] + pulse])
+    outside = np.array([-2 * x[0] - 2 * x[1], 2 * x[0] - 2 * x[1] - pulse])
+    rates = inside @ x, outside @ x
+    v = (rates[0] * outside - rates[1] * inside) / (rates[0] - rates[1])
+    return [(x[0] * v[1] - x[1] * v[0]) / 2]
+
+
+@pytest.mark.parametrize("tau", [0.01, 0.005, 0.0025])
+def test_a_field_that_passes_zero_far_from_a_zero_of_its_denominators_is_no_round_off(tau):
+    """The slide passes x = 0, where the rate of y vanishes; p + (y − q)² vanishes for p < 0 alone."""
+    pulse = "0.05/(p + (y - q)**2)"
+    system = core.PiecewiseSystem(
+        "Slide", ("x", "y"), ("a*x - 2*y + 1", f"2*x + a*y + {pulse}"), ("-a*x - 2*y", f"2*x - a*y - {pulse}"),
+        "x**2 + y**2 - 2", parameters={"a": 2.0, "p": 0.012, "q": 0.27}, x0=(1.0, 0.5),
+    )  # fmt: skip
+    run = core.integrate(system, (0.0, 8.0), tau=tau, method="rk8", sliding="continue")
+    assert run.status is core.Status.COMPLETED, run.message
+    (begins,) = run.crossings
+    span, start = (begins.t, 8.0), (np.arctan2(begins.x[1], begins.x[0]),)
+    angle = solve_ivp(_turning, span, start, method="DOP853", rtol=1e-12, atol=1e-13).y[0, -1]
+    assert run.x[-1] == pytest.approx(np.sqrt(2) * np.array([np.cos(angle), np.sin(angle)]), abs=1e-8)

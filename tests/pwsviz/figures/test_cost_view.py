@@ -9,7 +9,7 @@ import pytest
 import core
 from core.interface import processor
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
-from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_details, cost_numbers, cost_rows, cost_text
+from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_details, cost_numbers, cost_rows, cost_text, timed_how
 from pwsviz.figures.cost_text import missing_text, settings_text, shows_round_off
 from pwsviz.figures.lines import line_of
 from pwsviz.figures.style import BELOW_RANGE
@@ -173,7 +173,7 @@ def test_a_study_with_nothing_in_it_yet_can_be_drawn():
     view = CostView()
     view.show(study(nothing), "seconds", "state")
     assert view.points.data["x"] == []
-    assert "no run has reached the end" in cost_text(study(nothing), "state")
+    assert "no run has reached the end" in cost_text(study(nothing), "seconds", "state")
     assert cost_numbers(study(nothing), "seconds", "state").rows == ()
 
 
@@ -212,8 +212,10 @@ def test_times_that_differ_by_no_more_than_noise_are_a_tie_and_counts_are_not():
 def test_words_say_what_a_run_time_is_where_it_was_measured_and_whose_field_is_not_compiled():
     how = "processor time of one thread, excluding compilation (the shortest of 3 runs)"
     measured = f"Run time is the {how[:-1]}; {processor()})"
-    slow = "; SciPy DOP853 evaluates the field in Python, whereas the others use compiled code."
-    assert f"{measured}{slow}" in cost_details(BOTH, "seconds", "state")
+    slow = "SciPy DOP853 evaluates the field in Python, whereas the others use compiled code"
+    assert f"{measured}; {slow}" in timed_how(BOTH)
+    assert f"{slow}." in cost_text(BOTH, "seconds", "state")
+    assert slow not in cost_text(BOTH, "evaluations", "state")
     assert f"{measured}. " in cost_details(study(DMM2, curve("heyoka", [1e-3], [1e-3])), "seconds", "state")
     assert "Run time" not in cost_details(BOTH, "evaluations", "state")
 
@@ -246,7 +248,7 @@ def test_words_say_what_is_missing_and_why():
     gone = curve("heyoka", [math.nan], [math.nan], status=("heyoka is not installed",))
     off = curve("rk2", [1e-3], [1.0], status=("7 crossings instead of 8",), correct_sequence=np.array([False]))
     rest = curve("dmm4", [math.nan] * 2, [math.nan] * 2, status=(WAITING, CANCELLED))
-    words = cost_text(study(late, gone, off, rest), "state")
+    words = cost_text(study(late, gone, off, rest), "seconds", "state")
     assert "rk4, τ = 0.0316 and 1 other value: takes too long." in words
     assert "heyoka: heyoka is not installed." in words
     assert "rk2: the sequence of crossings differs from that of the solution, which has 8 crossings (open sy" in words
@@ -256,8 +258,8 @@ def test_words_say_what_is_missing_and_why():
 
 def test_words_say_why_there_is_no_error_of_psi_or_of_a_crossing():
     bare = curve("rk4", [1e-3], [1e-3], invariant_error=np.array([math.nan]), time_error=np.array([math.nan]))
-    assert "no conserved quantity is known" in cost_text(study(bare), "invariant")
-    assert "there is no crossing" in cost_text(study(bare, met=core.Tally()), "time")
+    assert "no conserved quantity is known" in cost_text(study(bare), "seconds", "invariant")
+    assert "there is no crossing" in cost_text(study(bare, met=core.Tally()), "seconds", "time")
 
 
 def test_a_real_study_is_drawn_and_told():

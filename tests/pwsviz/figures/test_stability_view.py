@@ -14,7 +14,7 @@ from pwsviz.figures.conserved import FLOOR
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import NO_VALUE
 from pwsviz.figures.stability_outcomes import OUTCOMES, UNJUDGED
-from pwsviz.figures.stability_text import runs_drawn
+from pwsviz.figures.stability_text import map_text, runs_drawn
 from pwsviz.scene.validation import value_of
 from pwsviz.text.numbers import printed
 
@@ -303,7 +303,7 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
         (
             "elliptic_curve",
             20.0,
-            " to t = 20.07, as the solution meets or leaves a surface within one step of t = 20",
+            " to t = 20.07, a quarter of the way between two crossings, as t = 20 is nearer to one of them",
         ),
         ("type_sliding", 20.0, ", from which the solution itself ends before t = 20: a run has to end likewise"),
     ],
@@ -319,16 +319,16 @@ def test_a_map_of_solutions_that_end_early_says_so(study):
     told = (
         "For 3 of the 5 initial states the solution itself ends (blow-up: 2, sliding: 1) before t = 20; a run that does"
     )
-    assert told in stability_text(early, "map")
+    assert told in map_text(early)
     gone = np.where(ends == core.Status.SLIDING, core.Status.ESCAPED, ends)
-    blown = stability_text(replace(study, map=replace(study.map, expected=gone)), "map")
+    blown = map_text(replace(study, map=replace(study.map, expected=gone)))
     assert "For 3 of the 5 initial states the solution itself blows up before t = 20; a run" in blown
     limited = np.where(ends == core.Status.ESCAPED, core.Status.STEP_LIMIT, core.Status.COMPLETED)
-    given_up = stability_text(replace(study, map=replace(study.map, expected=limited)), "map")
+    given_up = map_text(replace(study, map=replace(study.map, expected=limited)))
     assert "For 2 of the 5 initial states the reference ends early (step limit: 2); these are not judged." in given_up
     assert "the solution itself" not in given_up
     completed = replace(study, map=replace(study.map, expected=np.full(5, core.Status.COMPLETED)))
-    assert "the solution itself" not in stability_text(completed, "map")
+    assert "the solution itself" not in map_text(completed)
 
 
 def test_starts_from_which_the_solution_meets_no_surface_are_counted():
@@ -339,7 +339,7 @@ def test_starts_from_which_the_solution_meets_no_surface_are_counted():
     told = (
         "For 2 of the 3 initial states the solution has no crossings to t = 5, and a run without any counts as correct."
     )
-    assert told in stability_text(swings, "map"), "swings of less than 0.5 do not reach the surface q = 0.5"
+    assert told in map_text(swings), "swings of less than 0.5 do not reach the surface q = 0.5"
 
 
 def test_the_text_gives_the_grid_and_for_which_start_the_lines_hold(study):
