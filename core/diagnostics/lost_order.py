@@ -22,8 +22,9 @@ __all__ = ["too_long_for_the_order"]
 
 #: Least error that is reported, as part of the longest way of a step, and the part of its order that a method keeps.
 _LEAST, _KEPT = 1e-5, 0.5
-#: Error, as part of the longest way, from which on the order may be lower by one at the most.
-_LARGE = 1e-3
+#: Error, as part of the longest way, from which on the order may be lower by one at the most, and higher by so much:
+#: the error of a step that does not resolve a peak falls faster than that of one that does.
+_LARGE, _HIGHER = 1e-3, 1.5
 #: Part of the sum of the usual errors of all steps, which are taken for the median error, that is reported.
 _OF_ALL = 0.2
 #: Error of a step by rounding of the state, relative to it.
@@ -52,16 +53,19 @@ def too_long_for_the_order(groups: Sequence[Steps]) -> Iterator[str]:
     with np.errstate(all="ignore"):
         halved = np.log2(found.errors[:, :-1] / found.errors[:, 1:])
         told = found.errors[:, :1] > found.of_rounding[:, None] * 2.0 ** (p * np.arange(1, 3))
+        large = found.errors[:, 0] > _LARGE
         order = np.where(told, halved, np.inf).min(axis=1)
-        bound = np.where(found.errors[:, 0] > _LARGE, max(p - 1.0, _KEPT * p), _KEPT * p)
-        lost = order < bound
+        lost = order < np.where(large, max(p - 1.0, _KEPT * p), _KEPT * p)
+        higher = large & (halved[:, 0] > p + _HIGHER) & ~lost
+        order = np.where(higher, halved[:, 0], order)
+        lost |= higher
     if lost.any():
         worst = int(np.argmax(np.where(lost, found.errors[:, 0], 0.0)))
+        power, far = max(float(order[worst]), 0.0), "far " if order[worst] < p else ""
         yield (
             f"{steps.named(rows[worst])} is too long for {steps.method.name} to keep its order: the field changes too "
             f"fast in it, so that the error, {found.errors[worst, 0]:.1g} of the longest step, falls as "
-            f"tau^{max(order[worst], 0.0):.2g}, not as tau^{p}; take a far smaller tau, or the method "
-            f"taylor, which chooses its steps"
+            f"tau^{power:.2g}, not as tau^{p}; take a {far}smaller tau, or the method taylor, which chooses its steps"
         )
 
 

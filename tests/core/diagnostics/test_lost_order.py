@@ -16,6 +16,15 @@ def test_a_step_beside_a_root_is_said_to_lose_its_order_whatever_is_recorded(rec
     assert "falls as tau^1.5, not as tau^8" in run.warning
 
 
+def test_a_step_that_does_not_resolve_a_pulse_is_told_and_half_of_it_is_not():
+    # By a pulse narrower than the step the error is 0.05; with half the step it is 200 times smaller, not 16.
+    field = ("y", "-x + 0.0647/(0.0007 + (t - 0.9557)**2)")
+    system = core.PiecewiseSystem("Pulse", ("x", "y"), field, field, "x + 1000", x0=(0.787, 0.874))
+    for tau, told in ((0.04227292254941118, True), (0.02113646127470559, False)):
+        run = core.integrate(system, (0.0, 2.67), tau=tau, method="gauss4")
+        assert ("too long for gauss4 to keep its order" in run.warning) is told, run.message
+
+
 @pytest.mark.parametrize(("key", "method"), [("pendulum", "rk4"), ("predator_prey", "rk4"), ("kepler", "dmm4")])
 def test_steps_with_large_errors_of_the_right_order_are_not_said_to_lose_it(key, method):
     # Each has a step whose error is more than ten times the median, and 1e-5 of the longest step.
