@@ -170,7 +170,7 @@ def fit_rule(shown: Sequence[Studied]) -> str:
     if len(drawn) == sum(map(len, without.values())):
         each = [f"No slope is fitted {listed(names)}, as {why}" for why, names in without.items()]
         return ". ".join([*each, *_not_drawn(drawn)])
-    fitted = [f"Slopes are least-squares fits to errors {between}{_reach(shown)}"]
+    fitted = [f"Slopes are least-squares fits to errors {between}", *_reach(shown)]
     fitted += [_IRREGULAR] * any("±" in row.slope_text for _, row in drawn)
     reasons = [(names, why + " between these limits" * (why == _TOO_FEW)) for why, names in without.items()]
     unfitted = [f"No slope is fitted {listed(names)}, as {why}" for names, why in reasons]
@@ -195,15 +195,14 @@ _TOO_FEW = "too few errors lie"
 _GAPS = "Points are missing where a run does not reach the time, or reaches it in fewer than four steps"
 
 
-def _reach(shown: Sequence[Studied]) -> str:
-    """Say up to which step size errors are fitted, unless all between the limits are."""
+def _reach(shown: Sequence[Studied]) -> Iterator[str]:
+    """Yield up to which step size errors are fitted, unless all between the limits are."""
     ends = [(row.window[1], _greatest(one.taus, row)) for one in shown for row in one.rows if math.isfinite(row.slope)]
     cut = [reached < greatest for reached, greatest in ends]
-    if not any(cut):
-        return ""
-    if all(cut):
-        return " and to step sizes below the one at which the local slope changes"
-    return " and, where the local slope changes, only to smaller step sizes"
+    if all(cut) and cut:
+        yield "Only step sizes below the one at which the local slope changes are fitted"
+    elif any(cut):
+        yield "Where the local slope changes, only smaller step sizes are fitted"
 
 
 def _greatest(taus: Floats, row: Row) -> float:

@@ -175,7 +175,7 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
         (later, f"to errors between {rounded(later.fit_above)} {lower} and {rounded(exact.fit_below)} {upper}."),
         (
             replace(later, window=(later.window[0], float(taus[2]))),
-            f"{upper} and to step sizes below the one at which the local slope changes.",
+            f"{upper}. Only step sizes below the one at which the local slope changes are fitted.",
         ),
     ):
         view, (shown,) = OrderView("error"), studied([exact], lambda _, row=row: [row])
