@@ -51,7 +51,7 @@ def stability_text(study: core.StabilityStudy, part: str, caption: bool = False)
     """
     if part == "map" and (study.map is not None or study.largest_tau is not None):
         words = f"{_grid(study, not caption)}{map_text(study) * caption}"
-        return f"{words} Reference for the crossings: {study.reference}.".replace("  ", " ")
+        return " ".join(filter(None, (words.strip(), f"Reference for the crossings: {study.reference}.")))
     if part == "drift" and study.drift is not None:
         return _drift_words(study.drift)
     if part == "grazing" and study.grazing is not None:

@@ -199,7 +199,7 @@ def _reach(shown: Sequence[Studied]) -> Iterator[str]:
     """Yield up to which step size errors are fitted, unless all between the limits are."""
     ends = [(row.window[1], _greatest(one.taus, row)) for one in shown for row in one.rows if math.isfinite(row.slope)]
     cut = [reached < greatest for reached, greatest in ends]
-    if all(cut) and cut:
+    if cut and all(cut):
         yield "Only step sizes below the one at which the local slope changes are fitted"
     elif any(cut):
         yield "Where the local slope changes, only smaller step sizes are fitted"
