@@ -1,4 +1,4 @@
-"""Warn where small errors grow to the size of the solution: rounding, or the errors of steps, decide what a run shows.
+"""Warn where small errors grow to the size of the solution: rounding decides what a run shows.
 
 Another run starts anew beside it at many instants. How far they are apart at the next one tells how errors grow from
 one to the other; at each, those of rounding are added. This is measured, in the direction into which the errors before
@@ -8,7 +8,7 @@ have grown, and not a bound.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from core.diagnostics.resolution import RUNS_AWAY
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
 from core.integration.trajectory import Status, Trajectory
-from core.kernels.abi import TOLERANCE
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 
@@ -24,18 +23,12 @@ __all__ = ["amplified"]
 
 #: Error, relative to the range of a variable so far, that is told.
 _SPOILT = 0.1
-#: Distance of a run in finer steps, relative to the same, that confirms it: its own error may be nearly as large.
-_PARTED = 0.02
 #: Range of a variable, relative to its size, that may be rounding.
 _RESTS = 2.0**-44
 #: Factor from which on errors are said to grow: else they add up.
 _SOME = 10.0
 #: Distance of the other run, relative to the same: errors are small beside it, and it grows in proportion.
 _BESIDE = 1e-7
-#: Factor by which errors are amplified where those of steps are added, too: phases that drift do not make it.
-_LARGE = 1e6
-#: Part of the tolerance with which a method that chooses its steps takes shorter ones.
-_FINER = 2.0**-10
 _EPS = 2.0**-52
 #: Number of equally spaced instants …
 _INSTANTS = 32
@@ -66,15 +59,6 @@ def amplified(run: Trajectory) -> Iterator[str]:
             "reach a tenth of the range of the state: later states are not those of the exact solution, though "
             "averages and the set that the orbit fills may be"
         )
-    elif growth.factor > _LARGE:
-        growth = _growth(run, of_steps=True)
-        if growth.spoilt is not None and _parts(run):
-            yield (
-                f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}, where those of the steps reach a "
-                "tenth of the range of the state: later states are not those of the exact solution; take a "
-                "smaller "
-                f"{'tolerance' if METHODS[run.method].adaptive else 'tau'}"
-            )
 
 
 def _told(factor: float) -> str:
@@ -91,15 +75,15 @@ class _Growth:
     """Time at which they are as large as the range of a variable; None if they are not."""
 
 
-def _growth(run: Trajectory, of_steps: bool = False) -> _Growth:
-    """The growth of the errors of rounding and, if asked for, of those of the steps."""
+def _growth(run: Trajectory) -> _Growth:
+    """The growth of the errors of rounding."""
     length = _examined(run)
     found = _Growth(1.0, None)
     for _ in range(_ROUNDS):
         times = run.t[0] + length * (np.arange(1, _INSTANTS + 1) - _UNEVEN) / (_INSTANTS - _UNEVEN)
         if length == run.t[-1] - run.t[0]:
             times[-1] = run.t[-1]
-        again = _grown(run, times, of_steps)
+        again = _grown(run, times)
         if again.spoilt is None:
             return again if found.spoilt is None else found
         found = again
@@ -109,50 +93,25 @@ def _growth(run: Trajectory, of_steps: bool = False) -> _Growth:
     return found
 
 
-def _grown(run: Trajectory, times: Floats, of_steps: bool) -> _Growth:
+def _grown(run: Trajectory, times: Floats) -> _Growth:
     """The growth of errors over some times."""
     base = _fresh(run)
     low = high = base.x
     error, factor, largest = _rounding(low), 1.0, 1.0
     for t in times.tolist():
-        others = [base.copy() for _ in range(1 + of_steps)]
+        other = base.copy()
         if base.advance(t, keep_hits=False) is not Status.COMPLETED:
             break
         x = base.x
         low, high = np.minimum(low, x), np.maximum(high, x)
         size = _range(low, high)
-        error, by = _propagated(others[0], t, x, error, size)
+        error, by = _propagated(other, t, x, error, size)
+        other.release()
         factor = max(1.0, factor * by)
         largest = max(largest, factor)
-        if of_steps:
-            _refine(others[1])
-            if others[1].advance(t, keep_hits=False) is Status.COMPLETED:
-                of_step = others[1].x - x
-                error = error + (of_step if of_step @ error >= 0.0 else -of_step)
-        for one in others:
-            one.release()
-        if of_steps and t == run.t[-1]:  # the steps to the instants are other ones than those of the run
-            error = np.maximum(np.abs(error), np.abs(x - run.x[-1]))
         if (np.abs(error) >= _SPOILT * size).any():
             return _Growth(largest, t)
     return _Growth(largest, None)
-
-
-def _parts(run: Trajectory) -> bool:
-    """Whether a run in finer steps parts from this one: large errors do not grow in proportion."""
-    base, other = _fresh(run), _fresh(run)
-    _refine(other)
-    low = high = base.x
-    length = _examined(run)
-    last = run.t[-1] if length == run.t[-1] - run.t[0] else run.t[0] + length
-    for t in np.linspace(run.t[0], last, _INSTANTS + 1)[1:].tolist():
-        if any(one.advance(t, keep_hits=False) is not Status.COMPLETED for one in (base, other)):
-            return True  # one of them ends
-        low, high = np.minimum(low, base.x), np.maximum(high, base.x)
-        ends = (base.x, run.x[-1]) if t == run.t[-1] else (base.x,)
-        if any((np.abs(other.x - x) >= _PARTED * _range(low, high)).any() for x in ends):
-            return True
-    return False
 
 
 def _examined(run: Trajectory) -> float:
@@ -173,14 +132,6 @@ def _range(low: Floats, high: Floats) -> Floats:
     """Ranges of the coordinates; inf for one that rests, but for rounding: no error is large beside it."""
     moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
     return np.asarray(np.where(moves, high - low, np.inf))
-
-
-def _refine(other: Runner) -> None:
-    """Let a run take half the steps, or those of a much smaller tolerance."""
-    if other.method.adaptive:
-        other.memory.w[TOLERANCE] = max(_FINER * other.settings.tolerance, _EPS)
-    else:
-        other.settings = replace(other.settings, tau=0.5 * other.settings.tau)
 
 
 def _propagated(other: Runner, t: float, x: Floats, error: Floats, size: Floats) -> tuple[Floats, float]:

@@ -20,6 +20,7 @@ from core.diagnostics.constants import (
 )
 from core.diagnostics.corners import slid_into_corners, undecided_corners
 from core.diagnostics.encounters import Encounters, encounters
+from core.diagnostics.errors_of_steps import led_astray
 from core.diagnostics.made_again import with_steps
 from core.diagnostics.near_touches import near_touches
 from core.diagnostics.resolution import resolvable, unresolved
@@ -134,10 +135,10 @@ def step_warning(run: Trajectory) -> str:
     """Warning about the step size, in a sentence; '' where there is none.
 
     The first of `cancelled`: the terms of a law cancel; else of `unresolved`: steps too long for g or for the field;
-    else that of `undecided_corners`, of
-    `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, or of `Diagnosis.warnings` from the
-    first 256 crossings. A run that has not recorded its steps is judged by its first steps, made again, and if these
-    are not all and nothing is said of them, by what it has recorded.
+    else that of `undecided_corners`, of `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, of
+    `led_astray`, or of `Diagnosis.warnings` from the first 256 crossings. A run that has not recorded its steps is
+    judged by its first steps, made again, and if these are not all and nothing is said of them, by what it has
+    recorded.
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
@@ -149,7 +150,9 @@ def step_warning(run: Trajectory) -> str:
 def _warning(run: Trajectory) -> str:
     judged = run.crossings.first(min(_FIRST, _judged(run)))
     doubts = (undecided_corners(run), slid_into_corners(run), near_touches(run), slow_crossings(run, judged))
-    warnings = tuple(cancelled(run)) or unresolved(run) or tuple(islice(chain(*doubts, amplified(run)), 1))
+    warnings = (
+        tuple(cancelled(run)) or unresolved(run) or tuple(islice(chain(*doubts, amplified(run), led_astray(run)), 1))
+    )
     if not warnings:
         warnings = _diagnosis(run, judged).warnings
     return f"{warnings[0]}." if warnings else ""

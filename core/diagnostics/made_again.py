@@ -1,15 +1,16 @@
-"""The first steps of a run that has not recorded them, made again: what is recorded hides no step from the checks."""
+"""The first steps of a run made again: as they were, so that what is recorded hides none, or with other settings."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from core.integration.finished import trajectory_of
+from core.integration.run_settings import Asked, Settings
 from core.integration.runner import Runner
 from core.integration.trajectory import Status, Trajectory
 from core.methods import METHODS
 
-__all__ = ["with_steps"]
+__all__ = ["anew", "with_steps"]
 
 #: How runs end of which the step that failed is not made again: to find out why it did takes long.
 _FAILED = (Status.NO_CONVERGENCE, Status.ESCAPED, Status.UNSTABLE, Status.SINGULAR, Status.CANCELLED)
@@ -24,12 +25,17 @@ def with_steps(run: Trajectory) -> Trajectory:
     """
     if run.record == "steps" or run.asked is None or run.steps == run.crossing_count == 0:
         return run
-    asked, most = run.asked, min(run.steps + (run.status not in _FAILED), _MOST)
-    settings = replace(asked.settings, max_steps=most)
-    runner = Runner(run.system, METHODS[run.method], asked.t0, asked.x0, settings)
-    runner.advance(asked.t_end, record=True)
-    again = trajectory_of(runner, "steps", True, None, run.warn)
-    runner.release()
+    most = min(run.steps + (run.status not in _FAILED), _MOST)
+    again = anew(run, run.asked, replace(run.asked.settings, max_steps=most))
     if again.steps < run.steps:
         return again
     return Trajectory.of_fields({**again.__dict__, "status": run.status, "cause": run.cause})
+
+
+def anew(run: Trajectory, asked: Asked, settings: Settings) -> Trajectory:
+    """What a run was asked for with some settings, its steps recorded."""
+    runner = Runner(run.system, METHODS[run.method], asked.t0, asked.x0, settings)
+    runner.advance(asked.t_end, record=True)
+    made = trajectory_of(runner, "steps", True, None, run.warn)
+    runner.release()
+    return made

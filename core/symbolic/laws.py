@@ -241,6 +241,13 @@ class Laws:
         return any(way.jump is not None for ways in self.ways for way in ways)
 
     @cached_property
+    def names_time(self) -> bool:
+        """Whether it matters when the state is at a point: a field, a switching function or a jump names time."""
+        fields = [rate for region in self.regions for rate in region.field]
+        jumps = [part for ways in self.ways for way in ways for part in way.jump or ()]
+        return any(TIME in one.free_symbols for one in (*self.surfaces, *fields, *jumps))
+
+    @cached_property
     def gradients(self) -> tuple[tuple[Expr, ...], ...]:
         """∇g of each surface."""
         return tuple(tuple(g.diff(v) for v in self.x) for g in self.surfaces)

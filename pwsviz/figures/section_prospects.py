@@ -51,9 +51,7 @@ def examples_of(view: str, shown: str = "") -> str:
 def _is_flow_in_the_plane(system: core.PiecewiseSystem) -> bool:
     """Whether the state, a point of the plane, determines all that follows, and moves without jumps."""
     laws = system.laws
-    said = {symbol for mode in laws.regions for rate in mode.field for symbol in rate.free_symbols}
-    said |= {symbol for g in laws.surfaces for symbol in g.free_symbols}
-    return system.dimension == 2 and not system.transitions and not laws.jumps and TIME not in said
+    return system.dimension == 2 and not system.transitions and not laws.jumps and not laws.names_time
 
 
 def _conserves(system: core.PiecewiseSystem) -> bool:

@@ -92,10 +92,7 @@ def usual_plane(system: core.PiecewiseSystem, of: str) -> tuple[int, int]:
 
 def names_time(system: core.PiecewiseSystem, of: str) -> bool:
     """Whether it matters when a run is at a point of a section: a law, a reset map or the surface contains t."""
-    laws = system.laws
-    jumps = [part for ways in laws.ways for way in ways for part in way.jump or ()]
-    fields = [rate for mode in laws.regions for rate in mode.field]
-    return any(TIME in one.free_symbols for one in (*laws.surfaces, *surface_functions(system, of), *fields, *jumps))
+    return system.laws.names_time or any(TIME in h.free_symbols for h in surface_functions(system, of))
 
 
 def seen_as_curves(system: core.PiecewiseSystem, of: str, axes: tuple[int, int]) -> list[sympy.Expr]:

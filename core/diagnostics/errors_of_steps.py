@@ -1,0 +1,105 @@
+"""Warn where the errors of the steps have led a run off the solution, which a run in half steps tells.
+
+A shift in time along the orbit is no such error: it grows on every periodic orbit, also with a method that keeps the
+orbit itself, as conservative ones do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from core.diagnostics.made_again import anew
+from core.diagnostics.resolution import RUNS_AWAY
+from core.integration.trajectory import Status, Trajectory
+from core.kernels.arrays import Floats
+from core.methods import METHODS
+
+__all__ = ["led_astray"]
+
+#: Distance from the run in finer steps, relative to the range of a variable so far, that is told.
+_FAR = 0.1
+#: Range of a variable, relative to its size, that may be rounding.
+_RESTS = 2.0**-44
+#: Number of equally spaced times at which both runs are compared …
+_TIMES = 64
+#: … which are this part of their distance earlier, so that impacts at even times are not among them.
+_UNEVEN = 0.381966
+#: Shift in time, as part of the time since the start, that is not counted.
+_SHIFT = 0.25
+#: Most steps that are compared.
+_MOST = 50_000
+#: Part of the tolerance with which a method that chooses its steps takes shorter ones.
+_FINER = 2.0**-10
+_EPS = 2.0**-52
+#: … and by which the longest of these is divided: between ends of steps the orbit is taken to be straight.
+_PARTS = 16.0
+
+
+def led_astray(run: Trajectory) -> Iterator[str]:
+    """Say from when on the errors of the steps have led a run off the solution.
+
+    Yields
+    ------
+    str
+        A sentence without the last full stop; none where the run in half steps stays near.
+    """
+    asked, adaptive = run.asked, METHODS[run.method].adaptive
+    if asked is None or run.record != "steps" or not run.steps:
+        return
+    if run.status in RUNS_AWAY:  # at a pole every error grows without bound
+        return
+    unmoved = replace(asked.settings, shift=0.0)
+    base = run if asked.settings.shift == 0.0 else anew(run, asked, replace(unmoved, max_steps=_MOST))
+    if adaptive:
+        finer = replace(unmoved, tolerance=max(_FINER * unmoved.tolerance, _EPS), tau=run.tau / _PARTS)
+    else:
+        finer = replace(unmoved, tau=0.5 * unmoved.tau)
+    if (t := _astray(base, anew(run, asked, replace(finer, max_steps=2 * _MOST)))) is not None:
+        shorter = "tolerance" if adaptive else "tau"
+        along = "" if run.system.laws.names_time else ", even apart from a shift in time"
+        yield (
+            f"The errors of the steps have grown to a tenth of the range of the state at t = {t:.3g}{along}: later "
+            f"states are not those of the exact solution; take a smaller {shorter}"
+        )
+
+
+def _astray(run: Trajectory, finer: Trajectory) -> float | None:
+    """The first time, of those compared, at which a run is far from the orbit of another."""
+    way, last = 1.0 if run.t[-1] >= run.t[0] else -1.0, min(len(run.t), _MOST) - 1
+    if finer.status is Status.STEP_LIMIT:
+        last = min(last, int(np.searchsorted(way * run.t, way * finer.t[-1])))
+    times = run.t[0] + (run.t[last] - run.t[0]) * (np.arange(1, _TIMES + 1) - _UNEVEN) / (_TIMES - _UNEVEN)
+    orbit = _Orbit(finer)
+    rows = np.unique(np.append(np.searchsorted(way * run.t[:last], way * times[:-1]), last))
+    low, high = np.minimum.accumulate(run.x)[rows], np.maximum.accumulate(run.x)[rows]
+    moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
+    for k, size in zip(rows[1:].tolist(), np.where(moves, high - low, np.inf)[1:], strict=True):
+        shifts = (run.tau, 0.0 if run.system.laws.names_time else _SHIFT * abs(run.t[k] - run.t[0]))
+        if all(orbit.distance(run.t[k], shift, run.x[k], size) >= _FAR for shift in shifts):
+            return float(run.t[k])
+    return None
+
+
+class _Orbit:
+    """The recorded states of a run, with those where it met a surface, in order of time."""
+
+    def __init__(self, run: Trajectory) -> None:
+        met, self.way = run.crossings, 1.0 if run.t[-1] >= run.t[0] else -1.0
+        of = np.arange(len(met))
+        t, segment = np.concatenate([run.t, met.t, met.t]), np.concatenate([run.segment, of, of + 1])
+        order = np.lexsort((self.way * t, segment))
+        self.t, self.x, self.segment = t[order], np.concatenate([run.x, met.x, met.x_after])[order], segment[order]
+
+    def distance(self, t: float, shift: float, x: Floats, size: Floats) -> float:
+        """Least distance, in units of size, of a state from the orbit within a shift of a time."""
+        first, last = np.searchsorted(self.way * self.t, self.way * t + np.array([-shift, shift]))
+        rows = slice(max(first - 1, 0), last + 1)
+        orbit, x = self.x[rows] / size, x / size
+        chord = np.diff(orbit, axis=0)
+        chord[np.diff(self.segment[rows]) != 0] = 0.0  # a jump
+        along = ((x - orbit[:-1]) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
+        nearest = np.concatenate([orbit[:1], orbit[:-1] + np.clip(along, 0.0, 1.0)[:, None] * chord])
+        return float(np.abs(nearest - x).max(axis=1).min())

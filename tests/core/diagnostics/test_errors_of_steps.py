@@ -1,0 +1,54 @@
+"""What is said of errors of the steps that have grown, and of those that only shift the time."""
+
+from __future__ import annotations
+
+import pytest
+
+import core
+
+FORCED = "-0.26116104*x - 2.11652528*x**3 + 2.11652528*cos(1.83296709*t)"
+
+
+def forced() -> core.PiecewiseSystem:
+    """A driven hardening spring, of which errors grow 300-fold until t = 15.65, where x = 1.15 (DOP853)."""
+    return core.PiecewiseSystem("Forced", ("x", "v"), ("v", FORCED), ("v", FORCED), "x - 1e6", x0=(0.0, 0.0))
+
+
+@pytest.mark.parametrize("record", ["steps", "end"])
+@pytest.mark.parametrize(("tau", "told"), [(0.158725, True), (0.0396812, False)])
+def test_errors_that_grow_to_the_size_of_the_state_are_told_whatever_is_recorded(record, tau, told):
+    run = core.integrate(forced(), (0.0, 15.6544), tau=tau, method="rk4", record=record)
+    assert ("The errors of the steps have grown to a tenth" in run.warning) is told, run.warning
+
+
+@pytest.mark.parametrize("key", ["harmonic_oscillator", "bouncing_ball", "elliptic_curve", "moving_interface"])
+def test_a_shift_in_time_along_the_orbit_is_not_told(key):
+    # Elliptic curve: the state is a fifth of the range from that at the same time, on the orbit all the same.
+    run = core.integrate(core.CATALOGUE[key], (0.0, 20.0), tau=0.1, method="dmm2")
+    assert "errors of the steps" not in run.warning
+
+
+def test_a_run_off_the_orbit_is_told_also_where_nothing_depends_on_time():
+    # x runs over the top with rk2, and swings back with small steps (energy 0.99 of that at the top).
+    pendulum = core.PiecewiseSystem("Pendulum", ("x", "v"), ("v", "-sin(x)"), ("v", "-sin(x)"), "x - 100")
+    for tau, told in ((0.2, True), (0.01, False)):
+        run = core.integrate(pendulum, (0.0, 40.0), (3.0, 0.0), tau=tau, method="rk2")
+        assert ("even apart from a shift in time" in run.warning) is told, run.warning
+
+
+def test_a_perturbation_of_crossings_is_no_error_of_the_steps():
+    run = core.integrate(
+        core.CATALOGUE["harmonic_oscillator"],
+        (0.0, 20.0),
+        tau=0.01,
+        method="rk4",
+        perturbation_order=1,
+        perturbation_scale=20.0,
+    )
+    assert "errors of the steps" not in run.warning
+
+
+def test_a_coarse_tolerance_is_told_and_a_fine_one_is_not():
+    for tolerance, told in ((1e-3, True), (1e-10, False)):
+        run = core.integrate(forced(), (0.0, 80.0), method="taylor", tolerance=tolerance)
+        assert ("take a smaller tolerance" in run.warning) is told, run.warning
