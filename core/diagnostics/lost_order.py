@@ -62,10 +62,11 @@ def too_long_for_the_order(groups: Sequence[Steps]) -> Iterator[str]:
     if lost.any():
         worst = int(np.argmax(np.where(lost, found.errors[:, 0], 0.0)))
         power, far = max(float(order[worst]), 0.0), "far " if order[worst] < p else ""
+        falls = f"falls as tau^{power:.2g}" if np.isfinite(power) else "vanishes with half of it"
         yield (
             f"{steps.named(rows[worst])} is too long for {steps.method.name} to keep its order: the field changes too "
-            f"fast in it, so that the error, {found.errors[worst, 0]:.1g} of the longest step, falls as "
-            f"tau^{power:.2g}, not as tau^{p}; take a {far}smaller tau, or the method taylor, which chooses its steps"
+            f"fast in it, so that the error, {found.errors[worst, 0]:.1g} of the longest step, {falls}, "
+            f"not as tau^{p}; take a {far}smaller tau, or the method taylor, which chooses its steps"
         )
 
 

@@ -154,7 +154,11 @@ class Declaration(DeclaredTexts):
         elif self.kind(field) == "surface" and not found.free_symbols & {*self._x, TIME}:
             words = f" names no variable, so it has no zero: it has to contain one of {', '.join(self.variables)}"
         elif self.kind(field) == "surface" and (sign := definite_sign(found)):
-            words = f" is {sign} everywhere, so that nothing switches there: it has to be 0 somewhere"
+            words = (
+                f" is {sign}, so that nothing switches where it is 0: it has to change sign there"
+                if sign.startswith("nowhere")
+                else f" is {sign} everywhere, so that nothing switches there: it has to be 0 somewhere"
+            )
         else:
             return found
         return Problem(field, self._entry(field, k) + words, k)

@@ -289,7 +289,7 @@ def size_expanded(expression: sympy.Expr) -> int:
 
 
 def definite_sign(u: Expr) -> str:
-    """Return "positive" or "negative" if the terms of a sum show that it has this sign for all real values; else ""."""
+    """Return "positive", "negative", "nowhere negative" or "nowhere positive" if the terms of a sum show that; else ""."""
     signs, never_zero = set(), False
     for term in sympy.Add.make_args(u):
         factors = sympy.Mul.make_args(term)
@@ -299,7 +299,8 @@ def definite_sign(u: Expr) -> str:
             return ""
         signs.add(bool(number > 0))
         never_zero |= bool(number != 0) and all(map(_is_positive, rest))
-    return ("negative", "positive")[signs.pop()] if len(signs) == 1 and never_zero else ""
+    words = ("negative", "positive") if never_zero else ("nowhere positive", "nowhere negative")
+    return words[signs.pop()] if len(signs) == 1 else ""
 
 
 def _is_positive(factor: Expr) -> bool:
@@ -307,4 +308,5 @@ def _is_positive(factor: Expr) -> bool:
 
 
 def _is_nonnegative(factor: Expr) -> bool:
-    return _is_positive(factor) or bool(factor.is_Pow and factor.exp.is_integer and factor.exp.is_even)
+    even = factor.is_Pow and factor.exp.is_integer and factor.exp.is_even
+    return bool(even) or factor.func is sympy.Abs or _is_positive(factor)
