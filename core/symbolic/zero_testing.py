@@ -289,7 +289,7 @@ def size_expanded(expression: sympy.Expr) -> int:
 
 
 def definite_sign(u: Expr) -> str:
-    """Return "positive", "negative", "nowhere negative" or "nowhere positive" if the terms of a sum show that; else ""."""
+    """Return "positive", "negative", "nowhere negative" or "nowhere positive", if the terms of a sum show that."""
     signs, never_zero = set(), False
     for term in sympy.Add.make_args(u):
         factors = sympy.Mul.make_args(term)
