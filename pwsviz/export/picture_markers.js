@@ -5,8 +5,9 @@ import { copied } from "./picture_names.js"
 
 const COUNT = 5  // markers on the only curve of an integrator; fewer on each of several
 const SIZE = 8  // their diameter in pixels
-const APART = 26  // pixels at least between any two
-const TRIES = 200  // places looked at for one, each a third of that distance further along the curve
+const APART = 32  // pixels from all others at which one stands where even spacing along its curve asks for it …
+const ELSEWHERE = [104, 52, 26]  // … and those, the first for which there is a place, of one further along the curve
+const STEP = 9, TRIES = 200  // pixels along the curve to the next place looked at for one, and number of these
 const OPEN = ["plus", "y", "asterisk", "x"]  // markers without an area
 const EDGE = "#ffffff"
 
@@ -47,8 +48,8 @@ const along = path => {
 // its second one, lest none be left for it where many curves coincide.
 const spread_over = (curves, frame) => {
   const found = []
-  const free = ([x, y]) => 0 < x && x < frame.width && 0 < y && y < frame.height &&
-    found.every(([_, [a, b]]) => Math.hypot(x - a, y - b) >= APART)
+  const inside = ([x, y]) => 0 < x && x < frame.width && 0 < y && y < frame.height
+  const free = ([x, y], apart) => found.every(([_, [a, b]]) => Math.hypot(x - a, y - b) >= apart)
   const drawn = curves.filter(({ path }) => path.length > 1).map(curve => ({ curve, ...along(curve.path) }))
   const count_of = ({ marker }) => Math.round(COUNT / Math.sqrt(drawn.filter(({ curve }) => curve.marker == marker).length)) || 1
   for (let n = 0; n < COUNT; n++) {
@@ -56,14 +57,11 @@ const spread_over = (curves, frame) => {
       const count = count_of(curve)
       if (n >= count) continue
       const first = (n + (k + 0.5) / drawn.length) / count * length
-      for (let tried = 0; tried < TRIES; tried++) {
-        const at = place(first + tried * APART / 3)
-        if (first + tried * APART / 3 > length) break
-        if (free(at)) {
-          found.push([curve, at])
-          break
-        }
-      }
+      const places = Array.from({ length: TRIES }, (_, tried) => first + tried * STEP).filter(at => at <= length).map(place)
+      const within = places.filter(inside)
+      const at = within.slice(0, 1).find(one => free(one, APART)) ??
+        ELSEWHERE.map(apart => within.find(one => free(one, apart))).find(one => one != null)
+      if (at != null) found.push([curve, at])
     }
   }
   return found
