@@ -1,5 +1,5 @@
-// Curves that end where a picture does: a run that blows up goes so far beyond that no program dashes all of its line, and some
-// leave it out.
+// Curves as a picture has room for them. They end where it does: a run that blows up goes so far beyond that no program dashes
+// all of its line, and some leave it out. Where their turns are close, they are thin.
 
 import { copied } from "./picture_names.js"
 
@@ -58,3 +58,12 @@ export const with_curves_cut = (renderers, [across, up], { width, height }) => {
     return copied(renderer, { data_source: copied(data_source, { data: { ...data, ...columns } }) })
   })
 }
+
+// The renderers of a plot, those of curves whose turns are so close that they are not dashed in copies that are thinner, as the
+// picture is smaller than the page: a part of its width.
+export const with_turns_apart = (renderers, part) => renderers.map(renderer => {
+  const { data_source } = renderer, { stroke, dash, width, ...others } = data_source?.data ?? {}
+  if (part >= 1 || stroke == null) return renderer
+  const thinner = Array.from(width, (one, k) => stroke[k].length < dash[k].length ? part * one : one)
+  return copied(renderer, { data_source: copied(data_source, { data: { ...others, stroke, dash, width: thinner } }) })
+})

@@ -1,7 +1,7 @@
 // A figure laid out anew for a picture of a given width: text keeps its size, and everything is inside.
 
 import { FONT, typeset, width_of } from "./picture_letters.js"
-import { with_curves_cut } from "./picture_clip.js"
+import { with_curves_cut, with_turns_apart } from "./picture_clip.js"
 import { scale_of, with_keys, with_markers } from "./picture_markers.js"
 import { copied, with_names_placed } from "./picture_names.js"
 
@@ -188,7 +188,7 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
   const named = await with_names_placed(model.renderers, ranges, frame, letters)
   const scales = [model.x_scale, model.y_scale].map(
     ({ type }, k) => scale_of(ranges[k], [frame.width, frame.height][k], type == "LogScale"))
-  const curves = with_curves_cut(named, scales, frame)
+  const curves = with_turns_apart(with_curves_cut(named, scales, frame), frame.width / view.frame.bbox.width)
   const marked = printed ? with_markers(curves, scales, frame) : { renderers: curves, keys: new Map() }
   const keys = new Map(named.flatMap((one, k) => {  // what stands in the legend for a renderer of the page
     const key = marked.keys.get(curves[k]) ?? (curves[k] == one ? null : [curves[k]])

@@ -14,8 +14,8 @@ from pwsviz.text.numbers import RAISED
 from pwsviz.text.words import listed, rounded, rounded_up, whose_marks
 
 __all__ = [
-    "CEILING", "MOST_BANDS", "TELLABLE", "axis_name", "conserved_text", "largest", "largest_of_each", "meaning",
-    "round_off_grows",
+    "CEILING", "MOST_BANDS", "TELLABLE", "axis_name", "conserved_text", "excluded", "largest", "largest_of_each",
+    "meaning", "round_off_grows",
 ]  # fmt: skip
 
 CEILING = 1e9
@@ -63,7 +63,22 @@ def axis_name(curves: Sequence[ErrorCurve] = ()) -> str:
     return f"error {'; '.join(filter(None, (CHANGE_OF_PSI * (other or not slides), CHANGE_OF_G * slides)))}"
 
 
-def meaning(curves: Sequence[ErrorCurve], met: str, round_off: bool = True) -> str:
+def excluded(met: str, bare: bool) -> str:
+    """Return which changes of ψ are not counted.
+
+    Parameters
+    ----------
+    met : str
+        What runs meet: crossings, jumps or both; empty if nothing.
+    bare : bool
+        Whether no ψ is known somewhere.
+    """
+    which = [f"the changes that the system itself makes at {met}"] * bool(met)
+    which += [f"{'all changes' if which else 'the changes'} where no ψ is known"] * bare
+    return f", excluding {listed(which)}" * bool(which)
+
+
+def meaning(curves: Sequence[ErrorCurve], met: str, bare: bool = False, round_off: bool = True) -> str:
     """Return what is drawn, in the sentences of a caption.
 
     Parameters
@@ -72,13 +87,15 @@ def meaning(curves: Sequence[ErrorCurve], met: str, round_off: bool = True) -> s
         All curves.
     met : str
         What runs meet: crossings, jumps or both.
+    bare : bool
+        Whether no ψ is known somewhere.
     round_off : bool
         Whether the line of round-off is drawn.
     """
     name, words = axis_name(curves), []
     if CHANGE_OF_PSI in name:
-        own = f", excluding the changes that the system itself makes at {met}"
-        words.append(f"|Δψ| is the change of ψ since the start{own * any(len(one.crossings) for one in curves)}")
+        met = met if any(len(one.crossings) for one in curves) else ""
+        words.append(f"|Δψ| is the change of ψ since the start{excluded(met, bare)}")
         if any(curve.between is not None for curve in curves):
             words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
         when = "up to each time" if round_off_grows(curves[0]) else "in the run"

@@ -17,7 +17,7 @@ from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 from pwsviz.text.math_names import variable_name
 
-__all__ = ["OF_OTHERS", "alongside_columns", "curve_columns", "fitted_widths", "step_columns", "thin_shares"]
+__all__ = ["OF_OTHERS", "alongside_columns", "curve_columns", "fitted", "step_columns", "thin_shares"]
 
 OF_OTHERS = 0.5
 """Width of the curves of other starts, relative to those of the selected one."""
@@ -27,6 +27,9 @@ THINNER = 0.5
 
 TOUCH = 0.45
 """Width of the widest curve, relative to the distance between its turns, from which on all curves are thinner."""
+
+WOUND = 5.0
+"""Pixels between the turns of a curve below which it is solid: dashes side by side look like bricks, not like turns."""
 
 ALONGSIDE_SIZE = 11
 """Size in pixels of a disc at a start alongside."""
@@ -41,7 +44,7 @@ def curve_columns(orbits: Sequence[Orbit], view: Window | None, shares: Sequence
         "xs": sent([orbit.path[:, 0] for orbit in orbits]),
         "ys": sent([orbit.path[:, 1] for orbit in orbits]),
         **look_columns([orbit.method for orbit in orbits]),
-        "width": fitted_widths(orbits, view, shares),
+        **fitted(orbits, view, shares),
     }
 
 
@@ -53,16 +56,24 @@ def thin_shares(pictures: Pictures) -> list[float]:
     return shares
 
 
-def fitted_widths(orbits: Sequence[Orbit], view: Window | None, shares: Sequence[float] = ()) -> list[float]:
-    """Return the width of each curve: its share of the usual one, or less where its turns would touch."""
+def fitted(orbits: Sequence[Orbit], view: Window | None, shares: Sequence[float] = ()) -> dict[str, list[Any]]:
+    """Return what the view asks of each curve: its width, less than its share where turns would touch; and its stroke.
+
+    The stroke is the dash of the integrator, or none where turns are close to one another.
+    """
     lines = together(line_of(orbit.method) for orbit in orbits)
     usual = [
         max(THINNEST, share * line.width) for share, line in zip(shares or [1.0] * len(orbits), lines, strict=True)
     ]
+    dashes = [list(line.dash) for line in lines]
     if view is None:
-        return usual
-    fits = [min(1.0, TOUCH * spacing(orbit.path, view) / WIDEST) for orbit in orbits]
-    return [max(min(THINNEST, width), fit * width) for width, fit in zip(usual, fits, strict=True)]
+        return {"width": usual, "stroke": dashes}
+    apart = [spacing(orbit.path, view) for orbit in orbits]
+    fits = [min(1.0, TOUCH * pixels / WIDEST) for pixels in apart]
+    return {
+        "width": [max(min(THINNEST, width), fit * width) for width, fit in zip(usual, fits, strict=True)],
+        "stroke": [dash if pixels >= WOUND else [] for dash, pixels in zip(dashes, apart, strict=True)],
+    }
 
 
 def alongside_columns(system: core.PiecewiseSystem, pictures: Pictures, view: Window | None) -> dict[str, list[Any]]:

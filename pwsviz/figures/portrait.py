@@ -26,7 +26,7 @@ from pwsviz.figures.ground import Ground
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.lines import LOOK_COLUMNS
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
-from pwsviz.figures.orbit_lines import alongside_columns, curve_columns, fitted_widths, step_columns, thin_shares
+from pwsviz.figures.orbit_lines import alongside_columns, curve_columns, fitted, step_columns, thin_shares
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
     assign,
@@ -169,24 +169,20 @@ class PortraitView:
 
     def _orbit_glyphs(self) -> None:
         plot = self.figure
-        columns = ("xs", "ys", *LOOK_COLUMNS, "width")
-        looks: dict[str, Any] = {
-            "line_color": "colour",
-            "line_dash": "dash",
-            "line_width": "width",
-            "line_join": "round",
-        }
+        columns = ("xs", "ys", *LOOK_COLUMNS, "width", "stroke")
+        looks: dict[str, Any] = {"line_color": "colour", "line_width": "width", "line_join": "round"}
         self.others = ColumnDataSource({name: [] for name in columns})
-        self.beside = plot.add_glyph(self.others, MultiLine(line_alpha=OTHERS_ALPHA, **looks))
+        self.beside = plot.add_glyph(self.others, MultiLine(line_alpha=OTHERS_ALPHA, line_dash="stroke", **looks))
         self.orbits = ColumnDataSource({name: [] for name in columns})
-        self.curves = plot.add_glyph(self.orbits, MultiLine(**looks))
+        self.curves = plot.add_glyph(self.orbits, MultiLine(line_dash="stroke", **looks))
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
         self.dots = plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="colour", line_color="white"))
         self.methods, self.keys = legend_lines(plot)
         self.jumps = ColumnDataSource({"x": [], "y": []})
         self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=AMBER, line_dash=[8, 3, 2, 3], line_width=1.5))
         self.trails = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "width", "alpha")})
-        plot.add_glyph(self.trails, MultiLine(line_alpha="alpha", **looks))  # under all marks and numbers
+        looks |= {"line_alpha": "alpha", "line_dash": "dash"}
+        plot.add_glyph(self.trails, MultiLine(**looks))  # under all marks and numbers
 
     def _crossing_glyphs(self) -> None:
         plot = self.figure
@@ -383,9 +379,9 @@ class PortraitView:
         self.ground.keep_clear()
 
     def _label_marks(self) -> None:
-        """Fit numbers of stars, names of ends and widths of curves to what the view tells apart."""
+        """Fit numbers of stars, names of ends and looks of curves to what the view tells apart."""
         if self._pictures is not None:
-            self._fit_widths(self._pictures)
+            self._fit_curves(self._pictures)
             ends = end_columns(self._pictures.numbered, self._visible or self.frame)
             if ends["label"] and ends["label"] != list(self.ends.data["label"]):
                 assign(self.ends, **ends)
@@ -394,14 +390,14 @@ class PortraitView:
         if self._pictures is not None and crowds != list(self.starts.data["crowd"]):
             self.starts.data = {**self.starts.data, "number": numbers, "crowd": crowds}
 
-    def _fit_widths(self, pictures: Pictures) -> None:
-        """Give the curves the widths that suit the view, without sending the curves."""
+    def _fit_curves(self, pictures: Pictures) -> None:
+        """Give the curves the widths and strokes that suit the view, without sending the curves."""
         view = self._visible or self.frame
         thin = thin_shares(pictures)
         for source, orbits, shares in ((self.orbits, pictures.orbits, []), (self.others, pictures.thin, thin)):
-            widths = fitted_widths(orbits, view, shares)
-            if len(widths) == len(source.data["width"]) and widths != list(source.data["width"]):
-                source.patch({"width": list(enumerate(widths))})
+            for name, column in fitted(orbits, view, shares).items():
+                if len(column) == len(source.data[name]) and column != list(source.data[name]):
+                    source.patch({name: list(enumerate(column))})
 
     def _name(self, system: core.PiecewiseSystem, plane: Plane) -> None:
         """Label the axes, and show only what is drawn in the legend; each change rebuilds parts of the figure."""

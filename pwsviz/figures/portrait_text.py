@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -62,7 +62,10 @@ def perturbed_words(inputs: RunInputs) -> str:
     order, scale = inputs.scheme.perturbation_order, inputs.scheme.perturbation_scale
     if order is None or not inputs.scheme.locate:
         return ""
-    by = f"{perturbation(order, scale)} = {scale * inputs.tau**order:.3g}"
+    shift = scale * inputs.tau**order
+    by = f"{perturbation(order, scale)} = {shift:.3g}"
+    if abs(shift) < np.spacing(inputs.tau):
+        return f"All crossing times are perturbed by {by}: less than rounding, so that nothing changes."
     return f"All crossing times are perturbed on purpose, by {by}: crossings lie off the surface, and change ψ."
 
 
@@ -215,29 +218,27 @@ def law_markup(system: core.PiecewiseSystem) -> str:
     return "".join(_with_powers(law, "law") for law in laws.split("; "))
 
 
-def law_line(system: core.PiecewiseSystem, values: Mapping[str, float]) -> str:
-    """Return equations and parameters as HTML for the header, with reset maps if these leave the type large.
+def law_line(system: core.PiecewiseSystem) -> str:
+    """Return equations as HTML for the header, with reset maps if these leave the type large.
 
     Equations for which the header has no room are left out.
     """
-    numbers = ", ".join(f"{short_name(q)} {brief(values[q.name])}" for q in system.parameters)
-    parts = [*indexed(equations(system)).split("; "), *filter(None, [numbers])]
+    parts = indexed(equations(system)).split("; ")
     if sum(map(len, parts)) > LARGE:
         parts = [one for one in parts if not one.startswith("reset map")]
     length = sum(map(len, parts))
     kind = "law short" if length <= LARGE else "law"
-    if length > SMALLER:
-        parts, kind = [*filter(None, [numbers])], "law short"
-    return "".join(_with_powers(one, kind) for one in parts)
+    return "".join(_with_powers(one, kind) for one in parts) if length <= SMALLER else ""
 
 
 def run_line(scene: Scene) -> str:
-    """Return step size and span of time as HTML for the header, and what is unusual at crossings."""
+    """Return parameters, step size and span of time as HTML for the header, and what is unusual at crossings."""
+    numbers = [f"{short_name(q)} {brief(scene.values[q.name])}" for q in scene.declaration.parameters]
     at_crossings = ["crossings not located"] * (not scene.locate)
     if scene.locate and scene.perturbation_order is not None:
         at_crossings = [f"crossings perturbed by {perturbation(scene.perturbation_order, scene.perturbation_scale)}"]
-    span = f"0 ≤ t ≤ {shortest(float(scene.t_end))}"
-    return _with_powers("; ".join([f"τ {brief(scene.tau)}, {span}", *at_crossings]), "law short")
+    run = f"τ {brief(scene.tau)}, 0 ≤ t ≤ {shortest(float(scene.t_end))}"
+    return _with_powers("; ".join([*filter(None, [", ".join(numbers)]), run, *at_crossings]), "law short")
 
 
 def _with_powers(law: str, kind: str) -> str:

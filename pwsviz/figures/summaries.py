@@ -14,16 +14,22 @@ from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.lines import Line, line_of, together
 from pwsviz.figures.order import Row, Studied, limits
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.projection import has_bare
 from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import as_text, duration, listed, plural, rounded
 
+TIMED = 0.01
+"""Seconds of a run from which on its time is told: a shorter one, taken once, would mislead. The view Cost repeats."""
+
 
 def run_line(summary: Summary, line: Line) -> str:
-    """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, max |Δψ| = 8.2e-16”."""
-    figures = f"{plural(summary.steps, 'step')}, {summary.course}, {duration(summary.seconds)}"
+    """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, max |Δψ| = 8.2e-16”."""
+    figures = f"{plural(summary.steps, 'step')}, {summary.course}"
+    if summary.seconds >= TIMED:
+        figures += f", {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f', <span style="white-space: nowrap">max |Δψ| = {rounded(summary.worst_error)}</span>'
     return f'<div class="run">{swatch(line)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
@@ -251,7 +257,8 @@ def method_notes(scene: Scene) -> str:
     if scene.declaration.laws.most_conserved:
         keeping = listed([name for name in scene.offered if core.METHODS[name].conservative])
         exact = scene.locate and scene.perturbation_order is None
-        notes.append(f"{keeping} conserve ψ to round-off{' between crossings' * (not exact)}.")
+        where = f"{' between crossings' * (not exact)}{' where it is known' * has_bare(scene.declaration)}"
+        notes.append(f"{keeping} conserve ψ to round-off{where}.")
     if resting:
         notes.append(f"{listed(resting)} need a conserved quantity; none is known here, so they are not offered.")
     if not set(scene.methods) & set(scene.used):

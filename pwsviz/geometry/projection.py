@@ -131,6 +131,11 @@ def conserved_note(system: core.PiecewiseSystem) -> str:
     return f"The {which} conserved quantities is drawn at each time." if most > 1 else ""
 
 
+def has_bare(system: core.PiecewiseSystem) -> bool:
+    """Whether a region has no conserved quantity."""
+    return any(not mode.conserved for mode in system.laws.regions)
+
+
 def _others(names: Sequence[Name], axes: Axes) -> list[Name]:
     return [name for k, name in enumerate(names) if k not in axes]
 

@@ -147,7 +147,8 @@ class ExportDialog(pn.viewable.Viewer):
         if self.dialog.open:
             self.not_saved = _complaint()
             self.complaints.objects = [self.not_saved, self.not_written]  # first: the buttons of pictures refer to it
-            self.numbers.objects = [*map(self._row, self._pieces()), self._equations()]
+            pieces = self._pieces()
+            self.numbers.objects = [*map(self._row, pieces), self._equations(pieces[0])]
 
     def _make_contents(self) -> list[Any]:
         """Make the widgets at the first opening, so that the page itself loads sooner."""
@@ -205,10 +206,10 @@ class ExportDialog(pn.viewable.Viewer):
         button.js_on_click(args=given, code=picture_callback(piece.figures))
         return button
 
-    def _equations(self) -> NamedRow:
-        """Return the row of the equations in LaTeX."""
+    def _equations(self, piece: Piece) -> NamedRow:
+        """Return the row of the equations in LaTeX, of the scene of a piece."""
         title = pmui.Typography("Equations", margin=(8, 8), width=170)
-        file = self._download("TEX", "Equations", "tex", partial(latex_file, self.scene), Piece("Equations", {}, []))
+        file = self._download("TEX", "Equations", "tex", partial(latex_file, self.scene), piece)
         return NamedRow(title, file, group="Equations", margin=0, sizing_mode="stretch_width")
 
     def _download(

@@ -10,7 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from pwsviz.page.help import ABOUT, CITATION
-from pwsviz.page.look import ABOUT_CSS, HEADER_SX, NOT_IN_LECTURES, NOT_ON_PHONES
+from pwsviz.page.look import ABOUT_CSS, FOR_FINGERS, HEADER_SX, NOT_IN_LECTURES, NOT_ON_PHONES
 from pwsviz.scene.history import History
 from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.kept import kept
@@ -38,7 +38,7 @@ def header(
         hand_on(button, other)
     share = pmui.Button(
         label="Export & share", icon="ios_share", variant="text", size="small", margin=4,
-        sx=HEADER_SX | NOT_IN_LECTURES,
+        sx=HEADER_SX | FOR_FINGERS | NOT_IN_LECTURES,
     )  # fmt: skip
     share.on_click(lambda _: export())
     parts = [
@@ -51,7 +51,7 @@ def header(
 
 
 def _button(icon: str, name: str, call: Callable[[], None], margin: Any, sx: dict[str, Any]) -> Any:
-    button = pmui.IconButton(icon=icon, description=name, size="small", margin=margin, sx=sx)
+    button = pmui.IconButton(icon=icon, description=name, size="small", margin=margin, sx=FOR_FINGERS | sx)
     button.on_click(lambda _: call())
     return button
 

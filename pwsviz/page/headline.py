@@ -58,5 +58,5 @@ class Headline:
         name = escape(self.scene.declaration.name)
         laws = ""
         if self._of_lecture is not None:
-            laws = f"<div>{law_line(self.scene.declaration, self.scene.values)}{run_line(self.scene)}</div>"
+            laws = f"<div>{law_line(self.scene.declaration)}{run_line(self.scene)}</div>"
         self.tagline.object = f'<p>{escape(ABOUT)}</p><div class="lecture"><b>{name}</b>{laws}</div>'

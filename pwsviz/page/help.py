@@ -48,8 +48,8 @@ def greeting(example: Preset | None) -> str:
 
 
 def look_of(example: Preset) -> str:
-    """Return what to look at in an example, as markup."""
-    return f"<b>{escape(example.title)}.</b> {escape(example.look)}"
+    """Return what to look at in an example, and what to try, as markup."""
+    return f"<b>{escape(example.title)}.</b> {escape(example.look)} {escape(example.try_)}"
 
 
 CITATION = (
@@ -68,9 +68,9 @@ _USE = (
     "with τ? Crossing time: how accurate are the times of crossings? Cost: what does accuracy cost? Section: where do "
     "trajectories meet a surface? Stability: which step sizes work? Sweep: what does a parameter change? Scheme: what "
     "is computed?",
-    "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0. Colours tell the starts, "
-    "or the surfaces if there are several. A click there starts a trajectory on the surface, with the conserved "
-    "quantities of the selected one.",
+    "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0. Colours distinguish the "
+    "starts, or the surfaces if there are several. A click there starts a trajectory on the surface, with the "
+    "conserved quantities of the selected one.",
     "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "
     "once a transient is over. Click in it to set the parameter. Under “more”: which surface, how many points, and "
     "whether each run starts where that of the value before ended.",

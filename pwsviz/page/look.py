@@ -50,7 +50,7 @@ TABS_SX = {
 
 ABOUT_CSS = """
 footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;
-         color: var(--mui-palette-text-secondary); }
+         color: var(--mui-palette-text-secondary); display: var(--usual, block); }
 footer a { color: inherit; }
 @media (width < NARROWpx) or (width >= 1150px) { .about { display: none; } }
 """.replace("NARROW", str(NARROW))
@@ -72,6 +72,9 @@ p { max-width: 64ch; color: var(--mui-palette-text-secondary); display: var(--us
 
 NOT_IN_LECTURES = {"&&": {"display": "var(--usual, inline-flex)"}}
 """Of a button that a lecture does without."""
+
+FOR_FINGERS = {f"@media (width < {NARROW}px)": {"minWidth": 40, "minHeight": 40, "margin": 0}}
+"""Of a button in the header of a phone."""
 
 NOT_ON_PHONES = {"&&": {f"@media (width < {NARROW}px)": {"display": "none"}}}
 """Of a button for which the header of a phone has no room."""

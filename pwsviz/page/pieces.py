@@ -52,6 +52,7 @@ def _meaning(scene: Scene, panel: PortraitPanel, shown: Pictures) -> str:
         marks_text(shown),
         "Dash-dotted lines join the states before and after jumps." * panel.portrait.joins_jumps,
         STEPS_MARKED * panel.portrait.marks_steps,
+        "Other symbols on a curve tell its integrator." * (len(scene.used) > 1),
         portrait_note(scene.declaration, shown.plane.axes, caption=True),
     ]
     return " ".join(filter(None, told))

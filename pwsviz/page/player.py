@@ -282,7 +282,8 @@ class Player(pn.viewable.Viewer):
         self.open = not self.open
 
     def _follow(self) -> None:
-        self.button.label = "Close the animation" if self.open else "Animate"
+        label, icon = ("Close the animation", "close") if self.open else ("Animate", "play_circle")
+        self.button.param.update(label=label, icon=icon)
         if self.open and self.bar is None:
             self.bar = Bar(sizing_mode="stretch_width", margin=(2, 8))
             self.bar.jscallback(args=self._targets, now=_MOVE)

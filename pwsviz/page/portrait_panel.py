@@ -51,7 +51,7 @@ BESIDE = 0.01
 """Seconds of quiet before field and surface are computed: any at all, so that they do not take turns with what waits
 for compilation."""
 
-FIRST_WAIT = "Compiling the integrators, once on this machine: a minute or two. The trajectory follows …"
+FIRST_WAIT = "Compiling the integrators, once on this machine: half a minute to one. The trajectory follows …"
 """What is said meanwhile."""
 
 LONG_WAIT = 1500

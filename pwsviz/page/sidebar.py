@@ -60,7 +60,7 @@ NUMBERS = ("tau", "tolerance", "t_end", "perturbation_scale")
 ASIDE = ("window", "view", "selected")
 """What of a scene does not belong to an example: where one looks."""
 
-CHANGED = ", changed since: choose it under Examples to have it back."
+CHANGED = " (changed). Choose it under Examples to restore it."
 """What follows the title of an example whose scene is another one now."""
 
 

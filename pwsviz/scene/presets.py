@@ -51,8 +51,8 @@ def _first_look() -> tuple[Preset, ...]:
     return (
         Preset(
             FIRST_LOOK, "A first look", "",
-            "Two integrators of order 2, τ = 0.08: dmm2 keeps ψ to round-off; the trajectory of rk2 spirals outwards.",
-            "Halve τ: |Δψ| of rk2 falls ninefold (small τ: as τ³). dmm2 errs in phase alone: see Order. Drag the star.",
+            "At τ = 0.08, dmm2 keeps the conserved quantity ψ to round-off; rk2, of order 2 as well, spirals outwards.",
+            "Halve τ: |Δψ| of rk2 falls ninefold. dmm2 errs in phase alone: see Order. Drag the star.",
             # Both have the 20 crossings of the solution up to here, and a sweep beyond would meet no surface.
             {**_CURVE, "tau": 0.08, "t_end": 19.2, "view": "conserved", "sweep_range": (0.1, 1.6)},
         ),
@@ -163,7 +163,7 @@ def _conserved() -> tuple[Preset, ...]:
         Preset(
             "cq_elliptic", "Conserved quantity: elliptic curve", "fig:CQ_elliptic",
             "dmm2 conserves ψ to 10⁻¹⁵ over 105 crossings; for rk2 max |Δψ| = 3.2×10⁻⁶.",
-            "Add rk8: round-off at this τ, but no conservation. At τ = 0.05 it drifts, and dmm2 does not.",
+            "Add rk8: its error is round-off here only because τ is small. At τ = 0.05 it drifts, and dmm2 does not.",
             {**common, **_CURVE},
         ),
     )  # fmt: skip
@@ -173,8 +173,8 @@ def _stopping() -> tuple[Preset, ...]:
     return (
         Preset(
             "grazing", "Touching the surface", "",
-            "Three swings of a pendulum: short of α = 0.5, across it, and just to it, where rounding would decide.",
-            "Move the start that touches, or α, by 10⁻⁶: the swing falls short or crosses.",
+            "Three swings of a pendulum: short of α = 0.5, across it, and touching it, where rounding would decide.",
+            "Move start 3, or α, by 10⁻⁶: the swing falls short or crosses.",
             {
                 "system": "pendulum", "starts": ((-0.35, 0.0), (-0.65, 0.0), (-0.5, 0.0)),
                 "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved",

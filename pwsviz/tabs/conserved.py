@@ -11,10 +11,10 @@ import core
 from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, conserved_tables
 from pwsviz.figures.conserved import ConservedView
-from pwsviz.figures.conserved_text import conserved_text, largest_of_each, meaning
+from pwsviz.figures.conserved_text import conserved_text, excluded, largest_of_each, meaning
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.geometry.projection import conserved_note
+from pwsviz.geometry.projection import conserved_note, has_bare
 from pwsviz.results.animation import Landmarks
 from pwsviz.results.error_curve import ErrorCurve
 from pwsviz.results.requests import ErrorInputs, run_inputs
@@ -35,7 +35,6 @@ class ErrorPicture(NamedTuple):
 
 
 DEFINED = "|Δψ| is the change of ψ since the start{apart}."
-APART = ", excluding the changes that the system itself makes at {met}"
 """What the axis shows, in a line; captions say more."""
 
 
@@ -91,7 +90,8 @@ class ConservedTab(Tab):
         """Return what the axis shows."""
         there = outcome.system.laws.most_conserved > 0 and not outcome.unmoved
         crosses = any(len(curve.crossings) for curve in outcome.curves)
-        return DEFINED.format(apart=APART.format(met=met_at_surfaces(outcome.system)) * crosses) * there
+        met = met_at_surfaces(outcome.system) * crosses
+        return DEFINED.format(apart=excluded(met, has_bare(outcome.system))) * there
 
     def heading(self, outcome: ErrorPicture) -> str:
         """Return whether the figure shows the error of ψ, or that of g while sliding."""
@@ -102,8 +102,9 @@ class ConservedTab(Tab):
 
     def meaning(self, outcome: ErrorPicture) -> str:
         """Return how large the error becomes, and what the axis and the lines show, for captions."""
-        note = conserved_note(outcome.system) * (outcome.system.laws.most_conserved > 0)
-        shown = meaning(outcome.curves, met_at_surfaces(outcome.system), self.view.draws_round_off)
+        system = outcome.system
+        note = conserved_note(system) * (system.laws.most_conserved > 0)
+        shown = meaning(outcome.curves, met_at_surfaces(system), has_bare(system), self.view.draws_round_off)
         return " ".join(filter(None, [self.key(outcome), shown, note]))
 
     def key(self, outcome: ErrorPicture) -> str:

@@ -30,6 +30,7 @@ FIELD_CSS = f"""
 :host {{ font-size: 0.875rem; }}
 .slides {{ display: grid; grid-template-columns: minmax(0, 7.25rem) 1fr; align-items: center; }}
 .slides .field input {{ padding: 0 10px; }}
+.slides .field label {{ font-size: 0.875rem; }}
 .slides .note {{ grid-column: 1 / -1; order: 1; margin-left: 10px; }}
 .field {{ position: relative; padding-top: 0.5rem; margin-top: 1px; }}
 .field label {{ {LABEL} }}

@@ -8,7 +8,7 @@ import pytest
 
 from pwsviz.figures.framing import extent
 from pwsviz.figures.lines import line_of, together
-from pwsviz.figures.orbit_lines import THINNEST, alongside_columns, fitted_widths
+from pwsviz.figures.orbit_lines import THINNEST, alongside_columns, fitted
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.geometry.window import Window
 from pwsviz.results.results import PortraitInputs, Results
@@ -29,7 +29,7 @@ def usual(pictures):
 @pytest.mark.parametrize("link", ["", "system=bouncing_ball"])
 def test_curves_whose_turns_lie_apart_or_on_one_another_have_their_usual_widths(link):
     _, pictures = drawn(link)
-    assert fitted_widths(pictures.orbits, extent(pictures)) == usual(pictures)
+    assert fitted(pictures.orbits, extent(pictures))["width"] == usual(pictures)
 
 
 def test_a_dense_spiral_is_thin_and_wider_where_it_is_zoomed_apart():
@@ -43,6 +43,18 @@ def test_a_dense_spiral_is_thin_and_wider_where_it_is_zoomed_apart():
     view.look_at(extent(pictures).scaled(0.02))
     assert list(view.orbits.data["width"]) == usual(pictures)
     assert all(one is other for one, other in zip(view.orbits.data["xs"], paths, strict=True)), "no curve is sent anew"
+
+
+def test_the_dashes_of_a_curve_are_drawn_where_its_turns_lie_apart_alone():
+    scene, pictures = drawn("v=2&system=elliptic_curve&tau=0.08&t_end=19.2&methods=dmm2,rk2")
+    view = PortraitView(*[print] * 5)
+    view.look_at(extent(pictures))
+    view.show_orbits(scene.declaration, pictures, [(-1.0, -1.0)], 0)
+    dashes = [list(line_of(orbit.method).dash) for orbit in pictures.orbits]
+    assert [list(one) for one in view.orbits.data["stroke"]] == [[], []] != dashes
+    view.look_at(extent(pictures).scaled(0.02))
+    assert [list(one) for one in view.orbits.data["stroke"]] == dashes
+    assert [list(one) for one in view.orbits.data["dash"]] == dashes, "by which pictures know the integrator"
 
 
 def test_each_body_is_named_at_its_start_on_a_side_that_curves_leave_free():
