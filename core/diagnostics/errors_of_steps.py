@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from core.diagnostics.made_again import anew
-from core.diagnostics.resolution import RUNS_AWAY
+from core.diagnostics.resolution import resolvable
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
@@ -49,8 +49,6 @@ def led_astray(run: Trajectory) -> Iterator[str]:
     asked, adaptive = run.asked, METHODS[run.method].adaptive
     if asked is None or run.record != "steps" or not run.steps:
         return
-    if run.status in RUNS_AWAY:  # at a pole every error grows without bound
-        return
     unmoved = replace(asked.settings, shift=0.0)
     base = run if asked.settings.shift == 0.0 else anew(run, asked, replace(unmoved, max_steps=_MOST))
     if adaptive:
@@ -74,6 +72,7 @@ def _astray(run: Trajectory, finer: Trajectory) -> float | None:
     times = run.t[0] + (run.t[last] - run.t[0]) * (np.arange(1, _TIMES + 1) - _UNEVEN) / (_TIMES - _UNEVEN)
     orbit = _Orbit(finer)
     rows = np.unique(np.append(np.searchsorted(way * run.t[:last], way * times[:-1]), last))
+    rows = rows[resolvable(run, run.t[rows])]  # at a pole every error grows without bound
     low, high = np.minimum.accumulate(run.x)[rows], np.maximum.accumulate(run.x)[rows]
     moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
     for k, size in zip(rows[1:].tolist(), np.where(moves, high - low, np.inf)[1:], strict=True):

@@ -93,9 +93,9 @@ class Ground:
             field.append(plot.add_glyph(self.arrows[side], Line(line_color=GREY, line_alpha=0.8)))
         plot.add_tools(tips([("ψ on this level set", "@psi{5}")], renderers=[*usual, *own], visible=False, limit=1))
         self.attracting, self.repelling, self.surface = _line_source(), _line_source(), _line_source()
-        look: dict[str, Any] = {"line_color": GREEN, "line_width": 7}
+        look: dict[str, Any] = {"line_color": GREEN, "line_width": 9}
         attracting = plot.add_glyph(self.attracting, Line(**look))
-        repelling = plot.add_glyph(self.repelling, Line(line_dash=[6, 6], **look))
+        repelling = plot.add_glyph(self.repelling, Line(line_dash=[8, 7], **look))
         line = plot.add_glyph(self.surface, Line(line_width=2.5, **SURFACE))
         self._names = label_glyph(plot)
         self.labels = self._names.data_source

@@ -29,7 +29,7 @@ from pwsviz.scene.names import (
     choice_name,
 )
 from pwsviz.scene.sweeping import AFRESH, COUNTS
-from pwsviz.scene.times import END_TIME, STEP_SIZE, Times, times_of
+from pwsviz.scene.times import END_TIME, STEP_SIZE, Times, are_alike, times_of
 from pwsviz.scene.validation import MAX_STEPS, one_of, require_few_steps
 from pwsviz.scene.views import VIEWS
 
@@ -235,6 +235,8 @@ class Scene(param.Parameterized):
     def use(self, system: core.PiecewiseSystem) -> None:
         """Choose a system that the user declared, with its own start and parameter values.
 
+        Step size and end time stay if it is much like the system shown: of the same variables, and about as fast.
+
         Raises
         ------
         ValueError
@@ -244,8 +246,10 @@ class Scene(param.Parameterized):
             raise ValueError("A portrait needs at least two variables.")
         changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": None, "window": None}
         checked_start(system, 0.0, system.x0)
+        kept = {"tau": self.tau, "t_end": self.t_end} if are_alike(self.declaration, system) else {}
         with self._without_defaults():
-            self._show(system, own=system, system=OWN, **changes, **self._taken_times(times_of(OWN, system)))
+            times = self._taken_times(times_of(OWN, system)) | kept
+            self._show(system, own=system, system=OWN, **changes, **times)
 
     @param.depends("system", watch=True)
     def _start_afresh(self) -> None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import core
 from core.studies import moderate_time
 
-__all__ = ["END_TIME", "STEP_SIZE", "Times", "times_of", "usual_times"]
+__all__ = ["END_TIME", "STEP_SIZE", "Times", "are_alike", "times_of", "usual_times"]
 
 STEP_SIZE = 1e-2
 """Step size of a system of the catalogue."""
@@ -38,6 +38,11 @@ def usual_times(system: core.PiecewiseSystem) -> Times:
     """Return the times of a system as it is declared, be it of the catalogue or not."""
     key = next((key for key, one in core.CATALOGUE.items() if one == system), None)
     return _of_own(system) if key is None else times_of(key)
+
+
+def are_alike(one: core.PiecewiseSystem, other: core.PiecewiseSystem) -> bool:
+    """Return whether the times chosen for one system suit another: of the same variables, and about as fast."""
+    return one.variables == other.variables and _of_own(one) == _of_own(other)
 
 
 @lru_cache(maxsize=32)

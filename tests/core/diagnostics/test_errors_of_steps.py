@@ -36,6 +36,16 @@ def test_a_run_off_the_orbit_is_told_also_where_nothing_depends_on_time():
         assert ("even apart from a shift in time" in run.warning) is told, run.warning
 
 
+def test_a_run_that_leaves_a_closed_orbit_and_blows_up_is_told_and_one_that_meets_a_pole_is_not():
+    # rk2 spirals outwards, to an orbit that is unbounded; the solution is periodic.
+    left = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 200.0), (-1.0, -1.0), tau=0.08, method="rk2")
+    assert left.status is core.Status.ESCAPED
+    assert "errors of the steps" in left.warning
+    for tau in (0.05, 0.001):  # x = 1/(1 - t)
+        pole = core.PiecewiseSystem("Pole", ("x", "y"), ("x**2", "1"), ("x**2", "1"), "x - 1000", x0=(1.0, 0.0))
+        assert not core.integrate(pole, (0.0, 2.0), tau=tau, method="rk4").warning
+
+
 def test_a_perturbation_of_crossings_is_no_error_of_the_steps():
     run = core.integrate(
         core.CATALOGUE["harmonic_oscillator"],
