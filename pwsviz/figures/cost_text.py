@@ -133,9 +133,10 @@ def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) 
         slack = TIE if across == "seconds" else 1.0
         best = [one for one in found if one[0] <= slack * found[0][0]]
         names = [f"{curve.title}, {setting_text(curve, k)}" for _, curve, k in best]
-        told = [cost_words(cost, across) for cost, *_ in best]
         if across == "seconds":  # a number stays with its unit
-            told = [one.replace(" ", "\u00a0") for one in told]
+            told = [duration(cost).replace(" ", "\u00a0") for cost, *_ in best]
+        else:
+            told = [f"{round(cost):,}" for cost, *_ in best]
         cells += [" or ".join(names), " or ".join(told if len({*told}) > 1 else told[:1])]
     return tuple(cells)
 
