@@ -128,7 +128,8 @@ def _passages(run: Trajectory) -> list[_Passage]:
     for row, near in sorted(zip(rows[nearest].tolist(), others[nearest].tolist(), strict=True)):
         corner = onto_surfaces(system, float(t[row]), x[row], tuple(sorted((int(met[row]), near))))
         left = abs(_height(run, near, float(t[row]), corner))
-        if left <= abs(heights[row, near]) / 4.0 + rounding[row, near]:  # else they are parallel, or do not meet nearby
+        met_nearby = left <= abs(heights[row, near]) / 4.0 + rounding[row, near]  # else they are parallel, or far apart
+        if met_nearby and np.abs(corner - x[row]).max() <= reach[row]:
             place = int(known[row]), float(t[row]), int(met[row]), near, float(heights[row, near]), corner
             found.append(_Passage(*place, float(reach[row]), float(rounding[row, near])))
     return found

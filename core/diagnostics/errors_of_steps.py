@@ -27,8 +27,10 @@ _RESTS = 2.0**-44
 _TIMES = 64
 #: … which are this part of their distance earlier, so that impacts at even times are not among them.
 _UNEVEN = 0.381966
-#: Shift in time, as part of the time since the start, that is not counted.
+#: Change of a shift in time, as part of the time between two of these, that is not counted.
 _SHIFT = 0.25
+#: How a run ends whose orbit is known in part only.
+_UNFINISHED = (Status.NO_CONVERGENCE, Status.ESCAPED, Status.UNSTABLE, Status.SINGULAR, Status.STEP_LIMIT)
 #: Most steps that are compared.
 _MOST = 50_000
 #: Part of the tolerance with which a method that chooses its steps takes shorter ones.
@@ -67,18 +69,21 @@ def led_astray(run: Trajectory) -> Iterator[str]:
 def _astray(run: Trajectory, finer: Trajectory) -> float | None:
     """The first time, of those compared, at which a run is far from the orbit of another."""
     way, last = 1.0 if run.t[-1] >= run.t[0] else -1.0, min(len(run.t), _MOST) - 1
-    if finer.status is Status.STEP_LIMIT:
-        last = min(last, int(np.searchsorted(way * run.t, way * finer.t[-1])))
+    if finer.status in _UNFINISHED:
+        last = min(last, int(np.searchsorted(way * run.t, way * finer.t[-1], side="right")) - 1)
     times = run.t[0] + (run.t[last] - run.t[0]) * (np.arange(1, _TIMES + 1) - _UNEVEN) / (_TIMES - _UNEVEN)
-    orbit = _Orbit(finer)
     rows = np.unique(np.append(np.searchsorted(way * run.t[:last], way * times[:-1]), last))
     rows = rows[resolvable(run, run.t[rows])]  # at a pole every error grows without bound
     low, high = np.minimum.accumulate(run.x)[rows], np.maximum.accumulate(run.x)[rows]
     moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
-    for k, size in zip(rows[1:].tolist(), np.where(moves, high - low, np.inf)[1:], strict=True):
-        shifts = (run.tau, 0.0 if run.system.laws.names_time else _SHIFT * abs(run.t[k] - run.t[0]))
-        if all(orbit.distance(run.t[k], shift, run.x[k], size) >= _FAR for shift in shifts):
-            return float(run.t[k])
+    orbit, shift, before = _Orbit(finer), 0.0, run.t[0]
+    for k, size in zip(rows.tolist(), np.where(moves, high - low, np.inf), strict=True):
+        t = float(run.t[k])
+        around = 0.0 if run.system.laws.names_time else _SHIFT * abs(t - before)
+        distance, found = orbit.nearest(t + shift, around + run.tau, run.x[k], size)
+        if distance >= _FAR:
+            return t
+        before, shift = t, 0.0 if run.system.laws.names_time else found - t
     return None
 
 
@@ -92,13 +97,16 @@ class _Orbit:
         order = np.lexsort((self.way * t, segment))
         self.t, self.x, self.segment = t[order], np.concatenate([run.x, met.x, met.x_after])[order], segment[order]
 
-    def distance(self, t: float, shift: float, x: Floats, size: Floats) -> float:
-        """Least distance, in units of size, of a state from the orbit within a shift of a time."""
-        first, last = np.searchsorted(self.way * self.t, self.way * t + np.array([-shift, shift]))
-        rows = slice(max(first - 1, 0), last + 1)
+    def nearest(self, t: float, around: float, x: Floats, size: Floats) -> tuple[float, float]:
+        """Least distance, in units of size, of a state from the orbit around a time, and the time there."""
+        first, last = np.searchsorted(self.way * self.t, self.way * t + np.array([-around, around]))
+        rows = slice(max(min(first, len(self.t) - 1) - 1, 0), last + 1)
         orbit, x = self.x[rows] / size, x / size
         chord = np.diff(orbit, axis=0)
         chord[np.diff(self.segment[rows]) != 0] = 0.0  # a jump
         along = ((x - orbit[:-1]) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
-        nearest = np.concatenate([orbit[:1], orbit[:-1] + np.clip(along, 0.0, 1.0)[:, None] * chord])
-        return float(np.abs(nearest - x).max(axis=1).min())
+        along = np.append(np.clip(along, 0.0, 1.0), 0.0)
+        chord, lasting = (np.append(one, np.zeros_like(one[:1]), axis=0) for one in (chord, np.diff(self.t[rows])))
+        distance = np.abs(orbit + along[:, None] * chord - x).max(axis=1)
+        k = int(np.argmin(distance))
+        return float(distance[k]), float(self.t[rows][k] + along[k] * lasting[k])

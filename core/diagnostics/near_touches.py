@@ -37,6 +37,8 @@ _NEAR = 8.0
 _LATER = 2.0**-7
 #: Longest way to the least height, in steps.
 _FARTHEST = 32
+#: How often steps are halved, at most, to meet a tolerance.
+_HALVINGS = 6
 #: Trial steps to the least height.
 _TRIALS = 12
 #: How a run ends at a touch, which is told then.
@@ -152,7 +154,20 @@ class _Search:
         return sign * g, sign * self.way * rate, _ROUNDINGS * _EPS * noise
 
     def after(self, place: _Place, s: float, parts: int = 1) -> Floats:
-        """State at the end of steps of length s in all, none longer than a step of the run."""
+        """State at the end of steps of length s in all, none longer than a step of the run.
+
+        Those of a method that chooses its steps are halved until they meet its tolerance: its longest is too long
+        elsewhere.
+        """
+        x = self._steps(place, s, parts)
+        for _ in range(_HALVINGS if METHODS[self.run.method].adaptive else 0):
+            parts *= 2
+            before, x = x, self._steps(place, s, parts)
+            if (np.abs(x - before) <= max(self.run.tolerance, _EPS) * np.abs(x).max()).all():
+                break
+        return x
+
+    def _steps(self, place: _Place, s: float, parts: int) -> Floats:
         count = parts * max(1, math.ceil(abs(s) / self.longest - 1e-9))
         t, x = place.t, place.x
         for k in range(1, count + 1):

@@ -128,7 +128,8 @@ _ADVICE_WHILE_SLIDING = {
 _WITHOUT_TAU = {
     Status.GRAZING: "Rounding would decide whether the surface is met there, so the run ends. Change the initial "
     "condition or a parameter so that it clearly meets the surface or clearly misses it.",
-    Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8 instead.",
+    Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero, or "
+    "variables differ in size by many powers of ten: take prk8 or rk8 instead.",
     Status.ESCAPED: "The solution may have a pole: end the run before it.",
     Status.SINGULAR: "The solution ends there: end the run before.",
     Status.STEP_LIMIT: "Take a larger tolerance or an earlier end time, or raise the limit (max_steps).",

@@ -36,6 +36,31 @@ def test_a_run_off_the_orbit_is_told_also_where_nothing_depends_on_time():
         assert ("even apart from a shift in time" in run.warning) is told, run.warning
 
 
+@pytest.mark.parametrize(("method", "tau", "until"), [("rk4", 0.005, 20.0), ("taylor", 9.0, 20.0), ("rk8", 0.01, 14.0)])
+def test_runs_of_a_chaotic_system_are_told_from_when_on_they_part_from_the_solution(method, tau, until):
+    # On a thin attractor some other state is always near. rk8 is right up to 14 (DOP853), the others are not up to 20.
+    law = ("10*(y - x)", "x*(28 - z) - y", "x*y - 2.67*z"), ("10*(y - x)", "x*(30 - z) - y", "x*y - 2.5*z")
+    lorenz = core.PiecewiseSystem("Lorenz", ("x", "y", "z"), *law, "x", x0=(1.0, 1.0, 20.0))
+    settings = {"tolerance": 1e-5} if method == "taylor" else {}
+    run = core.integrate(lorenz, (0.0, until), tau=tau, method=method, **settings)
+    assert ("errors of the steps" in run.warning) is (until > 14.0), run.warning
+
+
+def test_two_phases_that_drift_apart_are_told():
+    # rk2 is off by 0.24 of the range from every state of the solution around that time.
+    torus = core.PiecewiseSystem(
+        "Torus", ("x", "u", "y", "v"), *[("u", "-x", "v", "-2*y")] * 2, "x - 50", x0=(1, 0, 1, 0)
+    )
+    assert "even apart from a shift in time" in core.integrate(torus, (0.0, 2400.0), tau=0.05, method="rk2").warning
+
+
+def test_a_finer_run_that_fails_tells_nothing_beyond():
+    # With ψ whose coordinates differ by 1e6 in size, a smaller tolerance finds no landing; the run is right to 1e-8.
+    law = ("v/S", "-0.514099*x*S"), ("v/S", "-3.552619*x*S")
+    system = core.PiecewiseSystem("Scales", ("x", "v"), *law, "x", parameters={"S": 3.60935e06}, x0=(1.0, 2.02561e06))
+    assert "errors of the steps" not in core.integrate(system, (0.0, 20.0), method="taylor").warning
+
+
 def test_a_run_that_leaves_a_closed_orbit_and_blows_up_is_told_and_one_that_meets_a_pole_is_not():
     # rk2 spirals outwards, to an orbit that is unbounded; the solution is periodic.
     left = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 200.0), (-1.0, -1.0), tau=0.08, method="rk2")

@@ -161,3 +161,22 @@ def test_a_mode_entered_beyond_its_guard_ends_at_once_which_is_no_slow_crossing(
     run = core.integrate(system, (0.0, 3.0), tau=0.01, method="rk4")
     assert np.diff(run.crossings.t).tolist()[::2] == [0.0, 0.0]
     assert run.warning == ""
+
+
+def test_walls_that_are_far_apart_are_not_said_to_be_met_at_once():
+    # A billiard with a disc: a flight is one long step of taylor, within which its line meets both walls.
+    walls = ("x - 1", "x + 1", "y - 1", "y + 1", "x**2 + y**2 - 4/25")
+    flip, turn = ("x", "y", "-p", "q"), ("x", "y", "p", "-q")
+    off = tuple(f"{v} - 2*{c}*(x*p + y*q)/(x**2 + y**2)" for v, c in (("p", "x"), ("q", "y")))
+    billiard = core.PiecewiseSystem(
+        "Billiard", ("x", "y", "p", "q"), surfaces=walls, regions={"-+-++": core.Region(("p", "q", "0", "0"))},
+        jumps={0: flip, 1: flip, 2: turn, 3: turn, 4: ("x", "y", *off)}, x0=(0.7, -0.474, 0.859, 0.512),
+    )  # fmt: skip
+    assert not core.integrate(billiard, (0.0, 15.0), method="taylor").warning
+
+
+def test_taylor_far_from_a_surface_is_not_said_to_pass_it_by_its_error():
+    # z < 50; the longest step of the run is too long where the state moves fast, and led far away from there.
+    law = ("10*(y - x)", "x*(28 - z) - y", "x*y - 8/3*z")
+    lorenz = core.PiecewiseSystem("Lorenz", ("x", "y", "z"), law, law, "z - 1000", x0=(1.0, 1.0, 20.0))
+    assert not core.integrate(lorenz, (0.0, 25.0), method="taylor").warning
