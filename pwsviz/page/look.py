@@ -73,8 +73,8 @@ p { max-width: 64ch; color: var(--mui-palette-text-secondary); display: var(--us
 NOT_IN_LECTURES = {"&&": {"display": "var(--usual, inline-flex)"}}
 """Of a button that a lecture does without."""
 
-FOR_FINGERS = {f"@media (width < {NARROW}px)": {"minWidth": 40, "minHeight": 40, "margin": 0}}
-"""Of a button in the header of a phone."""
+FOR_FINGERS = {f"@media (360px <= width < {NARROW}px)": {"minWidth": 40, "minHeight": 40, "margin": 0}}
+"""Of a button in the header of a phone, unless that is too small for all of them."""
 
 NOT_ON_PHONES = {"&&": {f"@media (width < {NARROW}px)": {"display": "none"}}}
 """Of a button for which the header of a phone has no room."""

@@ -31,7 +31,7 @@ def test_first_paint_shows_portrait_and_conserved_quantity(visit):
     await_painted(page, "Phase portrait")
     await_painted(page, "conserved quantity")
     page.get_by_text(re.compile("240 steps, 20 crossings")).first.wait_for()
-    page.get_by_text("Two integrators of order 2").first.wait_for()
+    page.get_by_text("dmm2 keeps the conserved quantity").first.wait_for()
     assert page.get_by_text("dmm2:").count() + page.get_by_text("dmm2").count() >= 2
 
 
