@@ -30,14 +30,14 @@ _UNEVEN = 0.381966
 #: Change of a shift in time, as part of the time between two of these, that is not counted.
 _SHIFT = 0.25
 #: How a run ends whose orbit is known in part only.
-_UNFINISHED = (Status.NO_CONVERGENCE, Status.ESCAPED, Status.UNSTABLE, Status.SINGULAR, Status.STEP_LIMIT)
+_UNFINISHED = (Status.NO_CONVERGENCE, Status.STEP_LIMIT)
 #: Most steps that are compared.
 _MOST = 50_000
-#: Part of the tolerance with which a method that chooses its steps takes shorter ones.
+#: Part of the tolerance with which a method that chooses its steps takes shorter ones …
 _FINER = 2.0**-10
-_EPS = 2.0**-52
-#: … and by which the longest of these is divided: between ends of steps the orbit is taken to be straight.
+#: … and by which its longest step is divided: between ends of steps the orbit is taken to be straight.
 _PARTS = 16.0
+_EPS = 2.0**-52
 
 
 def led_astray(run: Trajectory) -> Iterator[str]:
@@ -61,8 +61,8 @@ def led_astray(run: Trajectory) -> Iterator[str]:
         shorter = "tolerance" if adaptive else "tau"
         along = "" if run.system.laws.names_time else ", even apart from a shift in time"
         yield (
-            f"The errors of the steps have grown to a tenth of the range of the state at t = {t:.3g}{along}: later "
-            f"states are not those of the exact solution; take a smaller {shorter}"
+            f"By t = {t:.3g} the errors of the steps have grown to a tenth of the range of the state{along}: take a "
+            f"smaller {shorter}"
         )
 
 
@@ -80,7 +80,7 @@ def _astray(run: Trajectory, finer: Trajectory) -> float | None:
     for k, size in zip(rows.tolist(), np.where(moves, high - low, np.inf), strict=True):
         t = float(run.t[k])
         around = 0.0 if run.system.laws.names_time else _SHIFT * abs(t - before)
-        distance, found = orbit.nearest(t + shift, around + run.tau, run.x[k], size)
+        distance, found = orbit.nearest(t + shift, around + 2.0 * finer.tau, run.x[k], size)
         if distance >= _FAR:
             return t
         before, shift = t, 0.0 if run.system.laws.names_time else found - t
