@@ -57,7 +57,9 @@ def led_astray(run: Trajectory) -> Iterator[str]:
         finer = replace(unmoved, tolerance=max(_FINER * unmoved.tolerance, _EPS), tau=run.tau / _PARTS)
     else:
         finer = replace(unmoved, tau=0.5 * unmoved.tau)
-    if (t := _astray(base, anew(run, asked, replace(finer, max_steps=2 * _MOST)))) is not None:
+    longer = 0.0 if run.system.laws.names_time else _SHIFT * (asked.t_end - asked.t0)  # the run may be early
+    beyond = asked._replace(t_end=asked.t_end + longer)
+    if (t := _astray(base, anew(run, beyond, replace(finer, max_steps=3 * _MOST)))) is not None:
         shorter = "tolerance" if adaptive else "tau"
         along = "" if run.system.laws.names_time else ", even apart from a shift in time"
         yield (
@@ -69,8 +71,6 @@ def led_astray(run: Trajectory) -> Iterator[str]:
 def _astray(run: Trajectory, finer: Trajectory) -> float | None:
     """The first time, of those compared, at which a run is far from the orbit of another."""
     way, last = 1.0 if run.t[-1] >= run.t[0] else -1.0, min(len(run.t), _MOST) - 1
-    if finer.status in _UNFINISHED:
-        last = min(last, int(np.searchsorted(way * run.t, way * finer.t[-1], side="right")) - 1)
     times = run.t[0] + (run.t[last] - run.t[0]) * (np.arange(1, _TIMES + 1) - _UNEVEN) / (_TIMES - _UNEVEN)
     rows = np.unique(np.append(np.searchsorted(way * run.t[:last], way * times[:-1]), last))
     rows = rows[resolvable(run, run.t[rows])]  # at a pole every error grows without bound
@@ -79,8 +79,10 @@ def _astray(run: Trajectory, finer: Trajectory) -> float | None:
     orbit, shift, before = _Orbit(finer), 0.0, run.t[0]
     for k, size in zip(rows.tolist(), np.where(moves, high - low, np.inf), strict=True):
         t = float(run.t[k])
-        around = 0.0 if run.system.laws.names_time else _SHIFT * abs(t - before)
-        distance, found = orbit.nearest(t + shift, around + 2.0 * finer.tau, run.x[k], size)
+        around = (0.0 if run.system.laws.names_time else _SHIFT * abs(t - before)) + 2.0 * finer.tau
+        if finer.status in _UNFINISHED and way * (t + shift) + around > way * finer.t[-1]:
+            return None
+        distance, found = orbit.nearest(t + shift, around, run.x[k], size)
         if distance >= _FAR:
             return t
         before, shift = t, 0.0 if run.system.laws.names_time else found - t
@@ -98,7 +100,10 @@ class _Orbit:
         self.t, self.x, self.segment = t[order], np.concatenate([run.x, met.x, met.x_after])[order], segment[order]
 
     def nearest(self, t: float, around: float, x: Floats, size: Floats) -> tuple[float, float]:
-        """Least distance, in units of size, of a state from the orbit around a time, and the time there."""
+        """Least distance, in units of size, of a state from the orbit around a time, and the time there.
+
+        Where it passes nearby several times, as a closed orbit does, that is the time next to the one asked for.
+        """
         first, last = np.searchsorted(self.way * self.t, self.way * t + np.array([-around, around]))
         rows = slice(max(min(first, len(self.t) - 1) - 1, 0), last + 1)
         orbit, x = self.x[rows] / size, x / size
@@ -108,5 +113,6 @@ class _Orbit:
         along = np.append(np.clip(along, 0.0, 1.0), 0.0)
         chord, lasting = (np.append(one, np.zeros_like(one[:1]), axis=0) for one in (chord, np.diff(self.t[rows])))
         distance = np.abs(orbit + along[:, None] * chord - x).max(axis=1)
-        k = int(np.argmin(distance))
-        return float(distance[k]), float(self.t[rows][k] + along[k] * lasting[k])
+        times = self.t[rows] + along * lasting
+        near = np.flatnonzero(distance <= max(float(distance.min()), 0.5 * _FAR))
+        return float(distance.min()), float(times[near[np.argmin(np.abs(times[near] - t))]])

@@ -28,6 +28,13 @@ def test_a_shift_in_time_along_the_orbit_is_not_told(key):
     assert "errors of the steps" not in run.warning
 
 
+@pytest.mark.parametrize("until", [1500.0, 2000.0])
+def test_a_shift_in_time_by_several_periods_is_not_told_up_to_the_end(until):
+    # The run is early: at its end it is where the run in half steps comes after the end.
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, until), (-1.0, -1.0), tau=0.08, method="dmm2")
+    assert "errors of the steps" not in run.warning
+
+
 def test_a_run_off_the_orbit_is_told_also_where_nothing_depends_on_time():
     # x runs over the top with rk2, and swings back with small steps (energy 0.99 of that at the top).
     pendulum = core.PiecewiseSystem("Pendulum", ("x", "v"), ("v", "-sin(x)"), ("v", "-sin(x)"), "x - 100")
