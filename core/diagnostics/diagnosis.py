@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.diagnostics.amplification import amplified
+from core.diagnostics.backward import not_undone
 from core.diagnostics.cancellation import cancelled
 from core.diagnostics.constants import (
     discrete_constants,
@@ -134,11 +135,11 @@ def diagnose(run: Trajectory) -> Diagnosis:
 def step_warning(run: Trajectory) -> str:
     """Warning about the step size, in a sentence; '' where there is none.
 
-    The first of `cancelled`: the terms of a law cancel; else of `unresolved`: steps too long for g or for the field;
-    else that of `undecided_corners`, of `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, of
-    `led_astray`, or of `Diagnosis.warnings` from the first 256 crossings. A run that has not recorded its steps is
-    judged by its first steps, made again, and if these are not all and nothing is said of them, by what it has
-    recorded.
+    The first of `not_undone`: it goes back in time; of `cancelled`: the terms of a law cancel; else of `unresolved`:
+    steps too long for g or for the field; else that of `undecided_corners`, of `slid_into_corners`, of `near_touches`,
+    of `slow_crossings`, of `amplified`, of `led_astray`, or of `Diagnosis.warnings` from the first 256 crossings. A run
+    that has not recorded its steps is judged by its first steps, made again, and if these are not all and nothing is
+    said of them, by what it has recorded.
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
@@ -149,10 +150,9 @@ def step_warning(run: Trajectory) -> str:
 
 def _warning(run: Trajectory) -> str:
     judged = run.crossings.first(min(_FIRST, _judged(run)))
-    doubts = (undecided_corners(run), slid_into_corners(run), near_touches(run), slow_crossings(run, judged))
-    warnings = (
-        tuple(cancelled(run)) or unresolved(run) or tuple(islice(chain(*doubts, amplified(run), led_astray(run)), 1))
-    )
+    at_surfaces = (undecided_corners(run), slid_into_corners(run), near_touches(run), slow_crossings(run, judged))
+    doubts = chain(*at_surfaces, amplified(run), led_astray(run))
+    warnings = (*not_undone(run), *cancelled(run)) or unresolved(run) or tuple(islice(doubts, 1))
     if not warnings:
         warnings = _diagnosis(run, judged).warnings
     return f"{warnings[0]}." if warnings else ""

@@ -18,6 +18,8 @@ __all__ = ["Branch", "Encounters", "by_number", "encounters"]
 
 #: In place of the number of a region where there is none.
 _NONE = -1
+#: Time to the surface from a state after a jump, in steps, beyond which it counts as off the surface.
+_AWAY = 2.0**-10
 
 
 @dataclass(frozen=True)
@@ -87,11 +89,12 @@ def encounters(run: Trajectory, crossings: Crossings) -> Encounters:
     jumped = crossings.kind == "jump"
     left = np.concatenate([run.mode[:1], crossings.mode])[:count]
     met = _meetings(laws, left, crossings.surface_met)
-    surface, one_way = met[:, 0], met[:, 3] != 0
+    onward = np.where(jumped[:, None], crossings.x_after, crossings.surface)
+    surface = met[:, 0]
+    one_way = (met[:, 3] != 0) | (jumped & _off(run, surface, t, onward, crossings.rate_after))
     last = run.crossings.t[count] if count < len(run.crossings) else run.t[-1]
     gaps = np.minimum(np.abs(np.diff(np.concatenate([run.t[:1], t, [last]]))), run.tau)
     direction = 1.0 if run.t[-1] >= run.t[0] else -1.0
-    onward = np.where(jumped[:, None], crossings.x_after, crossings.surface)
     before, after = crossings.rate_before, crossings.rate_after
     leading_to, leading_on = _regions(laws, left), _regions(laws, crossings.mode)
     both = np.sign(before) * np.sign(after)  # the rates themselves may be as large as numbers are
@@ -105,6 +108,14 @@ def encounters(run: Trajectory, crossings: Crossings) -> Encounters:
         met[:, 1],
         met[:, 2],
     )
+
+
+def _off(run: Trajectory, surface: Integers, t: Floats, x: Floats, rate: Floats) -> NDArray[np.bool_]:
+    """Whether states lie so far from their surfaces that the field there is not that at the surface."""
+    heights = run.system.laws.evaluate("heights", run.system.laws.surfaces, t, x, run.system.parameter_array)
+    with np.errstate(all="ignore"):
+        away = np.abs(np.take_along_axis(heights, surface[:, None], axis=1)[:, 0] / rate)
+    return np.asarray(away > _AWAY * run.tau)
 
 
 def by_number(numbers: Integers, function: Callable[..., Floats], *arrays: Floats) -> Floats:

@@ -12,23 +12,23 @@ from dataclasses import replace
 import numpy as np
 
 from core.diagnostics.made_again import anew
-from core.diagnostics.resolution import resolvable
+from core.diagnostics.resolution import RUNS_AWAY, resolvable
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 
 __all__ = ["led_astray"]
 
-#: Distance from the run in finer steps, relative to the range of a variable so far, that is told.
+#: Distance from the run in finer steps, relative to the range of a variable, that is told.
 _FAR = 0.1
 #: Range of a variable, relative to its size, that may be rounding.
 _RESTS = 2.0**-44
 #: Number of equally spaced times at which both runs are compared …
-_TIMES = 64
+_TIMES = 512
 #: … which are this part of their distance earlier, so that impacts at even times are not among them.
 _UNEVEN = 0.381966
 #: Change of a shift in time, as part of the time between two of these, that is not counted.
-_SHIFT = 0.25
+_SHIFT = 0.1
 #: How a run ends whose orbit is known in part only.
 _UNFINISHED = (Status.NO_CONVERGENCE, Status.STEP_LIMIT)
 #: Most steps that are compared.
@@ -54,7 +54,8 @@ def led_astray(run: Trajectory) -> Iterator[str]:
     unmoved = replace(asked.settings, shift=0.0)
     base = run if asked.settings.shift == 0.0 else anew(run, asked, replace(unmoved, max_steps=_MOST))
     if adaptive:
-        finer = replace(unmoved, tolerance=max(_FINER * unmoved.tolerance, _EPS), tau=run.tau / _PARTS)
+        longest = run.tau or abs(float(run.t[-1] - run.t[0]))  # 0 of a run that has ended in its first step
+        finer = replace(unmoved, tolerance=max(_FINER * unmoved.tolerance, _EPS), tau=longest / _PARTS)
     else:
         finer = replace(unmoved, tau=0.5 * unmoved.tau)
     longer = 0.0 if run.system.laws.names_time else _SHIFT * (asked.t_end - asked.t0)  # the run may be early
@@ -74,18 +75,21 @@ def _astray(run: Trajectory, finer: Trajectory) -> float | None:
     times = run.t[0] + (run.t[last] - run.t[0]) * (np.arange(1, _TIMES + 1) - _UNEVEN) / (_TIMES - _UNEVEN)
     rows = np.unique(np.append(np.searchsorted(way * run.t[:last], way * times[:-1]), last))
     rows = rows[resolvable(run, run.t[rows])]  # at a pole every error grows without bound
-    low, high = np.minimum.accumulate(run.x)[rows], np.maximum.accumulate(run.x)[rows]
+    low, high = np.minimum.accumulate(run.x), np.maximum.accumulate(run.x)
+    # Where the solution grows without bound, its range so far; else that of all.
+    low, high = (one[rows if run.status in RUNS_AWAY else [last] * len(rows)] for one in (low, high))
     moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
     orbit, shift, before = _Orbit(finer), 0.0, run.t[0]
+    forced, jumps = run.system.laws.names_time, run.system.laws.jumps
     for k, size in zip(rows.tolist(), np.where(moves, high - low, np.inf), strict=True):
         t = float(run.t[k])
-        around = (0.0 if run.system.laws.names_time else _SHIFT * abs(t - before)) + 2.0 * finer.tau
+        around = (0.0 if forced else _SHIFT * abs(t - before)) + (0.0 if forced and not jumps else 2.0 * finer.tau)
         if finer.status in _UNFINISHED and way * (t + shift) + around > way * finer.t[-1]:
             return None
         distance, found = orbit.nearest(t + shift, around, run.x[k], size)
         if distance >= _FAR:
             return t
-        before, shift = t, 0.0 if run.system.laws.names_time else found - t
+        before, shift = t, 0.0 if forced else found - t
     return None
 
 

@@ -99,7 +99,8 @@ class Steps:
     def named(self, row: int | np.intp) -> str:
         """Return a step in words: its length, of which tau it is a part, and where it begins."""
         length, tau = abs(self.h[row]), self.run.tau
-        part = "" if self.method.adaptive or length >= (1.0 - NEAR) * tau else f" (part of tau = {tau:.6g})"
+        whole = self.method.adaptive or length >= (1.0 - NEAR) * tau or f"{length:.3g}" == f"{tau:.3g}"
+        part = "" if whole else f" (part of tau = {tau:.6g})"
         return f"The step of {length:.3g}{part} at t = {self.t[row]:.6g}"
 
     @property

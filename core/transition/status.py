@@ -78,7 +78,7 @@ _WORDS = {
     ),
     Status.ESCAPED: (
         "the numerical solution blows up",
-        "The solution may have a pole: end the run before it. If it has none, take a smaller step size.",
+        "If the solution has a pole there, end the run before it; if it has none, take a smaller step size.",
     ),
     Status.ZENO: (
         "crossings or jumps come ever closer and accumulate here (Zeno)",
@@ -130,7 +130,7 @@ _WITHOUT_TAU = {
     "condition or a parameter so that it clearly meets the surface or clearly misses it.",
     Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero, or "
     "variables differ in size by many powers of ten: take prk8 or rk8 instead.",
-    Status.ESCAPED: "The solution may have a pole: end the run before it.",
+    Status.ESCAPED: "The solution seems to have a pole there: end the run before it.",
     Status.SINGULAR: "The solution ends there: end the run before.",
     Status.STEP_LIMIT: "Take a larger tolerance or an earlier end time, or raise the limit (max_steps).",
     Status.UNSTABLE: "Take a smaller tolerance.",

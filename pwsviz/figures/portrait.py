@@ -319,7 +319,7 @@ class PortraitView:
         self._name(system, pictures.plane)
         view = self._visible or self.frame
         self.orbits.data = curve_columns(pictures.orbits, view)
-        show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
+        self._show_methods()
         assign(self.others, **curve_columns(pictures.thin, view, thin_shares(pictures)))
         marked = crossing_columns(pictures.numbered, pictures.inputs.index + 1)
         self.marks.name(marked)
@@ -398,6 +398,12 @@ class PortraitView:
             for name, column in fitted(orbits, view, shares).items():
                 if len(column) == len(source.data[name]) and column != list(source.data[name]):
                     source.patch({name: list(enumerate(column))})
+        self._show_methods()
+
+    def _show_methods(self) -> None:
+        """Name the integrators in the legend, each with the stroke of its curve."""
+        methods = self.orbits.data["method"]
+        show_methods(self.methods, methods, dict(zip(methods, map(list, self.orbits.data["stroke"]), strict=True)))
 
     def _name(self, system: core.PiecewiseSystem, plane: Plane) -> None:
         """Label the axes, and show only what is drawn in the legend; each change rebuilds parts of the figure."""

@@ -84,7 +84,8 @@ class SweepView:
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
         assign(self.warned, x=[found.warned])
         self._doubt.visible = bool(found.warning)
-        self._doubt.label = value(printed(f"see the warning: {parameter_name(inputs)} = {found.warned:.6g}"))
+        doubtful = f"{parameter_name(inputs)} = {found.warned:.6g}"
+        self._doubt.label = value(printed(f"see the warning, for example at {doubtful}"))
 
     def mark(self, present: float, name: str) -> None:
         """Put the line at the current value of the parameter."""

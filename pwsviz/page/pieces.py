@@ -39,6 +39,7 @@ def pieces_of(scene: Scene, results: Results, panel: PortraitPanel, view: Tab) -
     said = {"how": view.how(view.outcome), "every_start": view.every_start, "free": view.free()}
     said |= {name: getattr(view, name)(view.outcome) for name in ("meaning", "key", "heading")}
     if not said["how"]:
+        said["meaning"] = f"{said['meaning']} {panel.warned if runs else ''}".strip()
         said |= _course([one for one in runs if view.every_start or one.start == scene.selected + 1])
     return [portrait, Piece(title, view.tables(), view.pictures(), **said)]
 
@@ -53,6 +54,7 @@ def _meaning(scene: Scene, panel: PortraitPanel, shown: Pictures) -> str:
         "Dash-dotted lines join the states before and after jumps." * panel.portrait.joins_jumps,
         STEPS_MARKED * panel.portrait.marks_steps,
         "Other symbols on a curve tell its integrator." * (len(scene.used) > 1),
+        panel.warned,
         portrait_note(scene.declaration, shown.plane.axes, caption=True),
     ]
     return " ".join(filter(None, told))

@@ -231,18 +231,30 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def _tell(self, shown: Pictures) -> None:
         """Write the figures of the selected runs below the portrait, and the warnings if these are known."""
-        (runs, found), inputs = self._warnings, shown.inputs
-        warnings = found if runs == (*inputs.selected, *inputs.others) else ()
+        warnings = self._warnings_of(shown)
         words = "".join(
             [
                 as_text(figures_of(shown, warnings), "about"),
-                as_text(perturbed_words(inputs.selected[0])),
+                as_text(perturbed_words(shown.inputs.selected[0])),
                 run_lines(shown.summaries, warnings),
                 as_text(parted_words(shown), "stopped"),
             ]
         )
         beside = WARNS in words or len(shown.summaries) <= FEW
         self.status.param.update(object=words, css_classes=[] if beside else ASIDE)
+
+    def _warnings_of(self, shown: Pictures) -> tuple[str, ...]:
+        """What is said against the steps of the runs shown; () as long as that is not known."""
+        (runs, found), inputs = self._warnings, shown.inputs
+        return found if runs == (*inputs.selected, *inputs.others) else ()
+
+    @property
+    def warned(self) -> str:
+        """What is said against the steps of the runs from the selected start, in sentences, as far as it is known."""
+        if self.shown is None:
+            return ""
+        pairs = zip(self.shown.summaries, self._warnings_of(self.shown), strict=False)
+        return " ".join(f"{one.method}: {words}" for one, words in pairs if words)
 
     def _mark_starts(self) -> None:
         """Draw the present curves, with the starts of the scene."""

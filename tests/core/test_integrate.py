@@ -187,7 +187,7 @@ def test_a_solution_that_grows_without_a_pole_is_not_said_to_have_one(f, t_end, 
     run = core.integrate(system, (0.0, t_end), tau=None if method == "taylor" else t_end / 1e4, method=method)
     assert run.status is Status.ESCAPED
     assert "grows beyond 1e150" in run.message
-    assert "may have a pole" not in run.message
+    assert "pole there" not in run.message
 
 
 def test_a_step_that_has_no_solution_is_no_convergence():

@@ -145,7 +145,7 @@ def test_as_many_crossings_at_other_times_are_those_of_another_trajectory():
     assert one.correct_sequence[-1]
     assert np.isnan(one.time_error[swapped]).all()
     assert re.fullmatch(
-        r"crossing \d+ is at .*, nearer to another event of the reference", one.status[swapped.argmax()]
+        r"crossing \d+ is at .*, closer to another event of the reference", one.status[swapped.argmax()]
     )
 
 

@@ -64,7 +64,7 @@ def test_the_value_that_a_warning_is_about_is_marked():
     view = SweepView(print, print)
     view.show(replace(MIXED, warning="a₋ = −1: the step is too long.", warned=-1.0))
     assert view.warned.data["x"] == [-1.0]
-    assert (view._doubt.visible, view._doubt.label.value) == (True, "see the warning: a₋ = −1")
+    assert (view._doubt.visible, view._doubt.label.value) == (True, "see the warning, for example at a₋ = −1")
     view.show(MIXED)
     assert not view._doubt.visible, "the legend names no line that is not there"
 
