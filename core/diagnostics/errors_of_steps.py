@@ -115,7 +115,8 @@ class _Orbit:
         chord[np.diff(self.segment[rows]) != 0] = 0.0  # a jump
         along = ((x - orbit[:-1]) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
         along = np.append(np.clip(along, 0.0, 1.0), 0.0)
-        chord, lasting = (np.append(one, np.zeros_like(one[:1]), axis=0) for one in (chord, np.diff(self.t[rows])))
+        chord = np.concatenate([chord, np.zeros((1, orbit.shape[1]))])  # the last state itself
+        lasting = np.append(np.diff(self.t[rows]), 0.0)
         distance = np.abs(orbit + along[:, None] * chord - x).max(axis=1)
         times = self.t[rows] + along * lasting
         near = np.flatnonzero(distance <= max(float(distance.min()), 0.5 * _FAR))

@@ -90,6 +90,25 @@ def test_a_perturbation_of_crossings_is_no_error_of_the_steps():
     assert "errors of the steps" not in run.warning
 
 
+def test_runs_of_a_single_step_are_judged():
+    assert core.integrate(forced(), (0.0, 1e-3), tau=0.01, method="rk4").warning == ""
+    ends = core.Event("t - 2", terminal=True)  # within the first step of a run: no step has been taken whole
+    run = core.integrate(core.CATALOGUE["harmonic_oscillator"], (0.0, 20.0), method="taylor", events=ends)
+    assert (run.t[-1], run.warning) == (2.0, "")
+
+
+def test_a_phase_of_a_driven_system_is_told():
+    # The stiffness changes with sin t: x is off by 0.3 of its range at t = 400 (closed form), in phase alone.
+    driven = core.PiecewiseSystem("Clock", ("x", "v"), ("v", "-4*x"), ("v", "-x"), "sin(t) + 1e-12*x", x0=(1.0, 0.0))
+    assert "errors of the steps" in core.integrate(driven, (0.1, 400.0), tau=0.3, method="rk4").warning
+
+
+def test_an_error_of_a_state_that_hardly_moves_yet_is_not_told():
+    pushed = ("v", "-400*x - 0.6*v + 1200*exp(-400*(t - 131.1)**2)")  # up to t = 130, |x| < 1e-200
+    system = core.PiecewiseSystem("Pushed", ("x", "v"), pushed, pushed, "x - 50", x0=(0.0, 0.0))
+    assert core.integrate(system, (0.0, 300.0), tau=0.05, method="rk8").warning == ""
+
+
 def test_a_coarse_tolerance_is_told_and_a_fine_one_is_not():
     for tolerance, told in ((1e-3, True), (1e-10, False)):
         run = core.integrate(forced(), (0.0, 80.0), method="taylor", tolerance=tolerance)

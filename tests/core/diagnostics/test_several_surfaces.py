@@ -180,3 +180,10 @@ def test_taylor_far_from_a_surface_is_not_said_to_pass_it_by_its_error():
     law = ("10*(y - x)", "x*(28 - z) - y", "x*y - 8/3*z")
     lorenz = core.PiecewiseSystem("Lorenz", ("x", "y", "z"), law, law, "z - 1000", x0=(1.0, 1.0, 20.0))
     assert not core.integrate(lorenz, (0.0, 25.0), method="taylor").warning
+
+
+def test_a_reset_off_its_surface_gives_no_bound_there():
+    # The next crossing is 7.6 later: the field at x = -1, which is nearly 0, does not lead back within a step.
+    reset = PiecewiseSystem("Reset", ("x", "y"), ("x + 1.001", "0"), ("x + 1.001", "0"), "1 - x", jump=("-1", "y"),
+                            x0=(0.0, 0.0))  # fmt: skip
+    assert core.integrate(reset, (0.0, 30.0), tau=0.05, method="rk4").warning == ""
