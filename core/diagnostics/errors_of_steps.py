@@ -74,7 +74,7 @@ def _astray(run: Trajectory, finer: Trajectory) -> float | None:
     way, last = 1.0 if run.t[-1] >= run.t[0] else -1.0, min(len(run.t), _MOST) - 1
     times = run.t[0] + (run.t[last] - run.t[0]) * (np.arange(1, _TIMES + 1) - _UNEVEN) / (_TIMES - _UNEVEN)
     rows = np.unique(np.append(np.searchsorted(way * run.t[:last], way * times[:-1]), last))
-    rows = rows[resolvable(run, run.t[rows])]  # at a pole every error grows without bound
+    rows = rows[resolvable(run, run.t[rows]) & np.isfinite(run.x[rows]).all(axis=1)]  # at a pole every error grows
     low, high = np.minimum.accumulate(run.x), np.maximum.accumulate(run.x)
     # Where the solution grows without bound, its range so far; else that of all.
     low, high = (one[rows if run.status in RUNS_AWAY else [last] * len(rows)] for one in (low, high))
@@ -117,7 +117,7 @@ class _Orbit:
         along = np.append(np.clip(along, 0.0, 1.0), 0.0)
         chord = np.concatenate([chord, np.zeros((1, orbit.shape[1]))])  # the last state itself
         lasting = np.append(np.diff(self.t[rows]), 0.0)
-        distance = np.abs(orbit + along[:, None] * chord - x).max(axis=1)
+        distance = np.nan_to_num(np.abs(orbit + along[:, None] * chord - x).max(axis=1), nan=np.inf)
         times = self.t[rows] + along * lasting
         near = np.flatnonzero(distance <= max(float(distance.min()), 0.5 * _FAR))
         return float(distance.min()), float(times[near[np.argmin(np.abs(times[near] - t))]])

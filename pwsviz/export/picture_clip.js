@@ -63,7 +63,7 @@ export const with_curves_cut = (renderers, [across, up], { width, height }) => {
 // picture is smaller than the page: a part of its width.
 export const with_turns_apart = (renderers, part) => renderers.map(renderer => {
   const { data_source } = renderer, { stroke, dash, width, ...others } = data_source?.data ?? {}
-  if (part >= 1 || stroke == null) return renderer
+  if (part >= 1 || stroke == null || width == null) return renderer  // those of a legend have no width of their own
   const thinner = Array.from(width, (one, k) => stroke[k].length < dash[k].length ? part * one : one)
   return copied(renderer, { data_source: copied(data_source, { data: { ...others, stroke, dash, width: thinner } }) })
 })
