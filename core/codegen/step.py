@@ -315,7 +315,8 @@ class StepCode:
         """Project an increment along the discrete gradient to the levels of ψ: Λᵗ Δ + h s_t = −(level residual).
 
         With this projection any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017). The level
-        residual is evaluated here, or, if `prepared`, has been by `prepare_step`.
+        residual is evaluated here, or, if `prepared`, has been by `prepare_step`. This also tells how far each
+        coordinate moves: in that metric, a projection does not depend on the units of the coordinates.
         """
         mode, d = self._mode, len(self.x)
         m = len(mode.conserved)
@@ -323,7 +324,11 @@ class StepCode:
             return list(increments)
         lines = [*self._assign([f"d{k}" for k in range(d)], increments), "t1 = t + h", size_line(self.x)]
         if prepared:
-            lines += [f"o{j} = w[{self._names.frame.level_residual + j}]" for j in range(m)]
+            frame = self._names.frame
+            lines += [f"o{j} = w[{frame.level_residual + j}]" for j in range(m)]
+            lines += [f"motion{k} = w[{frame.motion + k}]" for k in range(d)]
+            lines += [f"farthest = max({', '.join(f'motion{k}' for k in range(d))})"]
+            lines += [f"weight{k} = (motion{k} / farthest)**2" for k in range(d)]
         else:
             lines += [*level_residual_lines(self._names, mode), *(f"o{j} = r{j}" for j in range(m))]
         gradient = sympy.Matrix(m, d, self.at_ends(mode.discrete.gradient))
@@ -335,6 +340,7 @@ class StepCode:
         inner = [*self._arrive, *inner, *self._assign([f"r{j}" for j in range(m)], list(left))]
         if prepared:  # near the origin a state is off the levels by more than its own rounding: no fault of the series
             inner.append(f"adds = {' or '.join(f'not abs(r{j} - o{j}) <= abs(o{j})' for j in range(m))}")
+            inner += [f"{row[k]} *= weight{k}" for row in rows for k in range(d)]
         inner += least_change(rows, changes, self._temporaries, slopes)
         inner += [f"d{k} -= e{k}" for k in range(d)]
         inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
-from core.kernels.abi import LEVEL_RESIDUAL, SET_LEVELS, Frame, call
+from core.kernels.abi import LEVEL_RESIDUAL, SET_LEVELS, VECTORS, Frame, call
 from core.kernels.arrays import Floats
 from core.kernels.digest import source_digest
 from core.kernels.jit import OPTIONS
@@ -159,7 +159,7 @@ def _compiled() -> Callable[..., None]:
     @njit(signature, cache=True, nogil=True, **OPTIONS)
     def along(functions, first_rows, p, w, scratch, d, t, x, modes, segment, entered_t, entered_x, residual):
         _ = sources  # closed over, it enters the key of numba's cache
-        place, found = w[head : head + d], w[w.size - (w.size - head - 4 * d) // 3 :]
+        place, found = w[head : head + d], w[w.size - (w.size - head - VECTORS * d) // 3 :]
         now = -1
         for row in range(t.size):
             mode = modes[row]

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
-from core.kernels.abi import LEVEL_RESIDUAL, SET_LEVELS, Frame, call
+from core.kernels.abi import LEVEL_RESIDUAL, SET_LEVELS, VECTORS, Frame, call
 from core.kernels.arrays import Floats
 from core.kernels.digest import source_digest
 from core.kernels.jit import OPTIONS, inlined, internal
@@ -78,7 +78,7 @@ class Psi(NamedTuple):
 @inlined
 def psi_of(levels, first_rows, frame, sums, followed, regions, p, scratch, d):
     """Make a `Psi`; regions is the number of modes that do not slide."""
-    m = (frame.size - _HEAD - 4 * d) // 3  # quantities for which the frame has room
+    m = (frame.size - _HEAD - VECTORS * d) // 3  # quantities for which the frame has room
     place, residual = frame[_HEAD : _HEAD + d], frame[frame.size - m :]
     return Psi(levels, first_rows, regions, p, frame, scratch, place, residual, sums[0], sums[1], followed)
 

@@ -13,7 +13,7 @@ import numba
 from numba import njit, types
 
 from core.integration.unlike import STEPS_BETWEEN, look
-from core.kernels.abi import STEP, Frame, call
+from core.kernels.abi import STEP, VECTORS, Frame, call
 from core.kernels.by_reference import by_reference
 from core.kernels.digest import source_digest
 from core.kernels.doubledouble.error_free import two_sum
@@ -125,7 +125,7 @@ def compiled_march() -> Callable[..., int]:
         run = records[0]
         x, carry = w[head : head + d], w[head + d : head + 2 * d]
         increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
-        m = (w.size - head - 4 * d) // 3  # quantities for which the frame has room: see `Frame`
+        m = (w.size - head - VECTORS * d) // 3  # quantities for which the frame has room: see `Frame`
         residual = w[w.size - m : w.size - m + envelope.shape[1]]
         context = by_reference(
             StepContext(functions, guards, run, p, w, scratch, x, carry, increment, place, nodes, pieces)

@@ -91,6 +91,7 @@ __all__ = [
     "STEP",
     "TOLERANCE",
     "UNIT",
+    "VECTORS",
     "VISIT",
     "VISITS",
     "Frame",
@@ -145,6 +146,7 @@ SINGULARITY = VISITS + VISIT * MAX_VISITS  #: number of the singularity that the
 SINGULAR_FROM = SINGULARITY + 1  #: time at the start of that step
 SINGULAR_LENGTH = SINGULARITY + 2  #: its length
 _HEAD = SINGULARITY + 3  #: number of scalars
+VECTORS = 5  #: number of vectors of d numbers that follow them
 
 
 class Frame(NamedTuple):
@@ -174,9 +176,14 @@ class Frame(NamedTuple):
         return _HEAD + 3 * self.d
 
     @property
+    def motion(self) -> int:
+        """How far each coordinate moves in a step of a variable-step method; positive."""
+        return _HEAD + (VECTORS - 1) * self.d
+
+    @property
     def level(self) -> int:
         """Levels, the values of ψ where the mode was entered: their high parts, then their low parts."""
-        return _HEAD + 4 * self.d
+        return _HEAD + VECTORS * self.d
 
     @property
     def level_residual(self) -> int:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from core.kernels.abi import PER_UNIT, ROUNDING_OF_G, UNIT, Frame
+from core.kernels.abi import PER_UNIT, ROUNDING_OF_G, UNIT, VECTORS, Frame
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import inlined, internal
 from core.transition.event_location import FAILED, FOUND, NONE, TOUCH, locate_crossing, rate_at_end, try_step
@@ -120,9 +120,12 @@ def set_frame(context, watch, w, plain, asked):
     if plain:  # before any other, `keep_start` has been called
         keep_levels(w, v, context.x.size)
     if main.adaptive == 1:
-        v[UNIT], v[PER_UNIT] = w[UNIT], w[PER_UNIT]
+        v[UNIT], v[PER_UNIT], d = w[UNIT], w[PER_UNIT], context.x.size
+        motion = _HEAD + (VECTORS - 1) * d  # as `prepare_step` has left it: see `Frame`
+        for i in range(motion, motion + d):
+            v[i] = w[i]
         if main.monitored == 0:  # the residual of the levels is still that of the start
-            count = (w.size - _HEAD - 4 * context.x.size) // 3
+            count = (w.size - _HEAD - VECTORS * d) // 3
             for i in range(w.size - count, w.size):
                 v[i] = w[i]
             run.locating = 2

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from core.kernels.abi import EVALUATE, LEVELS_SET, RATES, ROUNDING_OF_G, Frame, G, call
+from core.kernels.abi import EVALUATE, LEVELS_SET, RATES, ROUNDING_OF_G, VECTORS, Frame, G, call
 from core.kernels.jit import inlined, internal
 from core.transition.plain_steps import stays_above
 from core.transition.surface import MARGIN
@@ -102,7 +102,7 @@ def row_in(watch, mode):
 def keep_levels(w, v, d):
     """Copy the levels of ψ, and what there is of their residual, to the frame of the location of events."""
     v[LEVELS_SET] = w[LEVELS_SET]
-    for i in range(_HEAD + 4 * d, w.size):
+    for i in range(_HEAD + VECTORS * d, w.size):
         v[i] = w[i]
 
 

@@ -103,3 +103,27 @@ def test_step_from_beside_the_origin_is_as_long_as_that_from_it():
     assert [run.status for run in runs] == [core.Status.COMPLETED] * 2
     assert runs[1].x[-1][0] == pytest.approx(runs[0].x[-1][0], rel=1e-14)
     assert runs[1].steps <= runs[0].steps + 2
+
+
+def half_circles(a, b, v, t):
+    """State at t of x″ = −b·x where x > 0 and −a·x where x < 0, from x = 0 with velocity v > 0."""
+    up, down = math.sqrt(b), math.sqrt(a)
+    t %= math.pi / up + math.pi / down
+    if t < math.pi / up:
+        return np.array([v / up * math.sin(up * t), v * math.cos(up * t)])
+    t -= math.pi / up
+    return np.array([-v / down * math.sin(down * t), -v * math.cos(down * t)])
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("unit", [1e-9, 1e-5, 1e5, 1e9])
+def test_the_unit_of_one_variable_makes_no_difference(unit, seed):
+    a, b, v = np.random.default_rng(seed).uniform([0.5, 0.5, 0.1], [4.0, 4.0, 2.0])
+    system = core.PiecewiseSystem(
+        "Two springs", ("x", "v"), ("v/s", "-a*x*s"), ("v/s", "-b*x*s"), "x", parameters={"a": a, "b": b, "s": unit},
+        x0=(0.0, v * unit))  # fmt: skip
+    run = core.integrate(system, (0.0, 20.0), method="taylor")
+    assert run.status is Status.COMPLETED
+    assert run.conserved_error().shape[1] == 1, "the energy is found, and kept"
+    # Some fifty steps, each off by the tolerance of 1e-12 and more.
+    assert np.abs(run.x[-1] / [1.0, unit] - half_circles(a, b, v, 20.0)).max() <= 1e-9
