@@ -6,16 +6,27 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+from sympy import Expr
 
-from core.diagnostics.examined_steps import Steps
+from core.codegen.rounding import rounding_bound
+from core.diagnostics.examined_steps import Integers, Steps
 from core.diagnostics.narrow_features import dips_between
+from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
 from core.symbolic.expressions import TIME, parse
 
-__all__ = ["too_long_for_events"]
+__all__ = ["too_long_for_events", "zeros_too_close"]
 
 #: Size of an event function, as part of its largest in a step, above which rounding does not give it its sign.
 _SMALL = 2.0**-30
+#: The same near a zero, in units of the first-order bound on its rounding.
+_ROUNDINGS = 32.0 * 2.0**-52
+#: Where an event function would change in half a step, at its rate at a zero, by this part of its size or less, …
+_FLAT = 0.5
+#: … other zeros may be close; they are looked for beside as many zeros, the flattest.
+_MOST_FLAT = 64
+#: Distances from such a zero, as parts of a step, at which that is done.
+_BESIDE = 2.0 ** -np.arange(42.0, 0.0, -0.25)
 
 
 def too_long_for_events(steps: Steps) -> Iterator[str]:
@@ -30,6 +41,62 @@ def too_long_for_events(steps: Steps) -> Iterator[str]:
                 f"{steps.named(np.argmax(of_it))} is too long for the event function {text!r}: from there on it "
                 f"changes sign more often than events were found, so events may have been missed; {steps.advice}"
             )
+
+
+def zeros_too_close(run: Trajectory) -> Iterator[str]:
+    """Warn of a zero of an event function beside which it has others, too close for a step to tell them apart.
+
+    Between three zeros that are close together an event function remains far below its size in the rest of the step,
+    and its rate at each of them is far below that of a simple zero. Beside such zeros it is sampled at distances in a
+    geometric progression. Of a run that has not recorded its steps nothing is known there.
+    """
+    for k, text in enumerate(run.events.functions if run.record == "steps" else ()):
+        function = parse(text, (*run.system.variables, *run.system.values))
+        found = run.events.of(k)
+        t, x = np.append(run.t[:1], found.t), np.concatenate([run.x[:1], found.x.reshape(-1, run.x.shape[1])])
+        flatness = _flatness(run, function, t, x, np.append(run.mode[:1], found.mode))
+        rows = np.argsort(flatness, kind="stable")[:_MOST_FLAT]
+        rows = np.sort(rows[flatness[rows] <= _FLAT])
+        others = _has_others_beside(run, k, function, t[rows])
+        if others.any():
+            yield (
+                f"At t = {t[rows[np.argmax(others)]]:.6g} the event function {text!r} has zeros too close for the step "
+                f"to tell them apart, so events may have been missed; take a smaller tau, of the size of their distance"
+            )
+
+
+def _flatness(run: Trajectory, function: Expr, t: Floats, x: Floats, mode: Integers) -> Floats:
+    """Change of a function in half a step at its rate, by its size there, at places of a run; inf where it is not 0."""
+    laws, p, flatness = run.system.laws, run.system.parameter_array, np.full(len(t), np.inf)
+    for number in np.unique(mode[mode >= 0]).tolist():
+        rows, law = np.flatnonzero(mode == number), laws.mode(number).written
+        wanted = (function, rounding_bound(function), law.rate_of(function), *law.field)
+        values = laws.evaluate(("flat", function, number), wanted, t[rows], x[rows], p)
+        value, noise, rate, field = values[:, 0], values[:, 1], values[:, 2], values[:, 3:]
+        beside = [
+            laws.evaluate(("event", function), (function,), t[rows] + h, x[rows] + h * field, p)[:, 0]
+            for h in (-0.5 * run.tau, 0.5 * run.tau)
+        ]
+        with np.errstate(all="ignore"):
+            size = np.nanmax(np.abs(beside), axis=0, initial=0.0)
+            zero = np.abs(value) <= np.maximum(_ROUNDINGS * noise, _SMALL * size)
+            flatness[rows] = np.where(zero & (size > 0.0), 0.5 * run.tau * np.abs(rate) / size, np.inf)
+    return flatness
+
+
+def _has_others_beside(run: Trajectory, k: int, function: Expr, t: Floats) -> NDArray[np.bool_]:
+    """Whether event function k changes its sign, in a step before or after each zero, where no event is."""
+    ends = np.sort(np.concatenate([run.t[[0, -1]], run.crossings.t]))
+    before, after = np.searchsorted(ends, t) - 1, np.searchsorted(ends, t, "right")
+    low = np.fmax(ends[np.maximum(before, 0)], t - run.tau)
+    high = np.fmin(ends[np.minimum(after, len(ends) - 1)], t + run.tau)
+    ways = (t - low)[:, None] * -_BESIDE[::-1], np.zeros((len(t), 1)), (high - t)[:, None] * _BESIDE
+    times = np.clip(t[:, None] + np.concatenate(ways, axis=1), low[:, None], high[:, None])
+    wanted = (function, rounding_bound(function))
+    values = run.system.laws.evaluate(("beside", function), wanted, times, run.at(times), run.system.parameter_array)
+    told = np.abs(values[..., 0]) > _ROUNDINGS * values[..., 1]
+    steps = Steps(run, t, np.empty((len(t), 0)), np.empty(len(t), dtype=np.int64), np.ones(len(t)))
+    return _Sampled(steps, k, times, values[..., 0], told).missed()
 
 
 def _missed(steps: Steps, number: int, places: Floats) -> NDArray[np.bool_]:
@@ -52,9 +119,11 @@ def _missed(steps: Steps, number: int, places: Floats) -> NDArray[np.bool_]:
 class _Sampled:
     """Values of event function k at places of steps, (steps, places)."""
 
-    def __init__(self, steps: Steps, k: int, times: Floats, values: Floats) -> None:
+    def __init__(
+        self, steps: Steps, k: int, times: Floats, values: Floats, told: NDArray[np.bool_] | None = None
+    ) -> None:
         self.steps, self.k, self.times, self.values = steps, k, times, values
-        self.told = self._are_told()
+        self.told = self._are_told() if told is None else told
 
     def missed(self) -> NDArray[np.bool_]:
         """Whether, in each step, there is a change of sign between places without event.

@@ -12,7 +12,7 @@ from core.diagnostics.doubtful_steps import doubtful_steps, pushed_steps
 from core.diagnostics.examined_steps import NEAR, Steps
 from core.diagnostics.lost_order import too_long_for_the_order
 from core.diagnostics.missed_crossings import hides, too_long_for_g
-from core.diagnostics.missed_events import too_long_for_events
+from core.diagnostics.missed_events import too_long_for_events, zeros_too_close
 from core.diagnostics.unlike_steps import stretches, unlike_steps
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
@@ -47,9 +47,10 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     pushed = _at_rows(run, pushed_steps(run)).with_others(first) if run.record == "steps" else kept
     of_g = (words for steps in (kept, first, doubtful) for words in too_long_for_g(steps, hides(steps)))
     of_events = (words for steps in (kept, doubtful) for words in too_long_for_events(steps))
+    of_zeros = zeros_too_close(run)
     groups = (kept, _unlike(run), first)
     of_field = chain(too_long_for_the_field(groups, pushed), too_long_for_the_order(groups))
-    return (*islice(of_g, 1), *dict.fromkeys(of_events), *islice(of_field, 1))
+    return (*islice(of_g, 1), *dict.fromkeys(of_events), *of_zeros, *islice(of_field, 1))
 
 
 def resolvable(run: Trajectory, t: Floats) -> NDArray[np.bool_]:

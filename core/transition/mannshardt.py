@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DELAY, G_END, GUARDS, HEIGHT, KEPT, PROJECT, G, call
+from core.kernels.abi import DELAY, G_END, GUARDS, HEIGHT, KEPT, ORDER, PER_UNIT, PROJECT, G, call
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
@@ -50,6 +50,12 @@ __all__ = ["RUNNING", "advance", "end_at_once"]
 RUNNING = int(Status.RUNNING)
 _NO_CONVERGENCE, _ESCAPED, _CONTRADICTION = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.CONTRADICTION)
 _ZENO = int(Status.ZENO)
+#: A height is flat at a root if at its rate there it would change in the whole step by less than this part of its size.
+_FLAT = 2.0**-10
+#: Part of the way to a flat root that is taken as a step, from whose end the height is expanded anew …
+_NEARER = 0.875
+#: … unless that way is this part of the longest step: rounding then hides whether there are several roots.
+_NEAREST = 2.0**-30
 #: Most modes in a row that end where they are entered.
 _LONGEST_CHAIN = 16
 
@@ -184,6 +190,29 @@ def end_step(context, log, t, h):
 
 
 @internal
+def is_flat(context):
+    """Whether the height is flat at the root found by its series, which may hide further roots before that one.
+
+    Between three roots that are close together the height is far below its size in the rest of the step, and so is its
+    rate at each; the error of the series, relative to that size, then hides the first two.
+    """
+    run, w = context.run, context.w
+    row, part, size = context.scratch[context.x.size + run.guard], abs(run.hit) * w[PER_UNIT], 0.0
+    for k in range(int(w[ORDER]), 0, -1):
+        size = (size + abs(row[k])) * part
+    if run.tried != run.hit:
+        try_step(context, run.t + run.t_carry, run.hit)
+    return abs(rate_at_end(context) * run.hit) < _FLAT * size and abs(run.hit) > _NEAREST * run.longest
+
+
+@inlined
+def go_nearer(context):
+    """End the step before the root found, from where the height is expanded anew."""
+    context.run.final = 0
+    return NONE, _NEARER * context.run.hit
+
+
+@internal
 def compare_guards(context, t, found, length):
     """Search for a zero of each other guard before the one found, or in the length searched.
 
@@ -200,7 +229,10 @@ def compare_guards(context, t, found, length):
         if run.adaptive == 1:
             kind, low, high = isolate_root_of_series(context, until)
             if kind == ROOT and locate_near_root(context, t, low, high):
-                found, best, hit = FOUND, k, run.hit
+                if not is_flat(context):
+                    found, best, hit = FOUND, k, run.hit
+                else:
+                    found, length = go_nearer(context)
                 continue
         if run.tried != until and not try_finite_step(context, t, until):
             return FAILED, until
@@ -209,7 +241,9 @@ def compare_guards(context, t, found, length):
         result, shorter = locate(context, t, until, kind, low, high)
         if result == FAILED:
             return FAILED, shorter
-        if result != NONE:
+        if result == FOUND and run.adaptive == 1 and is_flat(context):
+            found, length = go_nearer(context)
+        elif result != NONE:
             found, best, hit, length = result, k, run.hit, shorter
         elif shorter != until:
             found, length = NONE, shorter
@@ -255,6 +289,8 @@ def advance(context, log, h):
         return _ESCAPED
     if found == FAILED and run.follow == 1:
         found, length = locate_in_shorter_step(context, t, h)
+    if found == FOUND and run.adaptive == 1 and is_flat(context):
+        found, length = go_nearer(context)
     if run.guards > 1 and found != FAILED:
         found, length = compare_guards(context, t, found, length)
     if found == NONE:
