@@ -2,6 +2,7 @@
 
 from core.diagnostics.crossing_rates import constant_sign, rate_on_surface, ratio
 from core.diagnostics.diagnosis import Diagnosis, diagnose, step_warning
+from core.diagnostics.near_touches import times_of_near_touches
 from core.diagnostics.scheme import stand_in
 from core.diagnostics.walls import beyond_walls, inhabited, start_warning, starts_beyond_wall
 
@@ -17,4 +18,5 @@ __all__ = [
     "start_warning",
     "starts_beyond_wall",
     "step_warning",
+    "times_of_near_touches",
 ]

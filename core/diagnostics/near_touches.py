@@ -21,7 +21,7 @@ from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 
-__all__ = ["near_touches"]
+__all__ = ["near_touches", "times_of_near_touches"]
 
 #: Bound on the error of a height, in units of the first-order bound on its rounding.
 _ROUNDINGS = 16.0
@@ -66,16 +66,34 @@ class _Least(NamedTuple):
     """Rate of its rate."""
 
 
-def near_touches(run: Trajectory) -> Iterator[str]:
+def near_touches(run: Trajectory, known: bool = False) -> Iterator[str]:
     """Say where a run passes a surface by less than its own error.
 
     What half the step size changes, or a smaller tolerance, is taken for half the error.
+
+    Parameters
+    ----------
+    run : Trajectory
+    known : bool
+        Say only where that error is known, as a run with smaller steps takes the same way.
 
     Yields
     ------
     str
         Some sentences, without the last full stop, in the order of the run.
     """
+    for least, error in _slight_passes(run):
+        if math.isfinite(error) or not known:
+            yield _words(run, least, error)
+
+
+def times_of_near_touches(run: Trajectory) -> Iterator[float]:
+    """Times at which a run passes a surface by less than its own error, in its order."""
+    yield from (least.t for least, _ in _slight_passes(run))
+
+
+def _slight_passes(run: Trajectory) -> Iterator[tuple[_Least, float]]:
+    """The least heights that are within the error of a run, and the error of each; in the order of the run."""
     if run.passes is None or not len(run.passes) or run.t[-1] == run.t[0]:
         return
     search = _Search(run, run.passes[resolvable(run, run.passes[:, 0])])
@@ -84,7 +102,7 @@ def near_touches(run: Trajectory) -> Iterator[str]:
         if least is not None and search.is_slight(place, least):
             error = search.error(place, least, since)
             if not abs(least.height) > error + least.noise:
-                yield _words(run, least, error)
+                yield least, error
 
 
 def _again(run: Trajectory, longest: float) -> Runner:
@@ -199,7 +217,8 @@ class _Search:
     def error(self, place: _Place, least: _Least, since: float) -> float:
         """Twice the change of the least height in a run with smaller steps; inf where that one leads elsewhere.
 
-        Both are compared from a state on that the other run, too, has before it meets the surface, if it does.
+        Both are compared from a state on that the other run, too, has before it meets the surface, if it does. It may
+        be earlier or later on the same way: that changes no height.
         """
         if self.run.steps > _MOST_STEPS:
             return self.local_error(place, least)
@@ -208,5 +227,12 @@ class _Search:
         again = _again(self.run, self.longest)
         if again.advance(t, record=False, keep_hits=False) is not Status.COMPLETED or again.mode != place.mode:
             return math.inf
-        other = self.least(_Place(t, again.x, place.mode, place.guard), least.t - t)
+        other = self.least(_Place(t, again.x, place.mode, place.guard), least.t - t - self.ahead(place, t, again.x))
         return math.inf if other is None else 2.0 * abs(other.height - least.height)
+
+    def ahead(self, place: _Place, t: float, x: Floats) -> float:
+        """Time by which a state is ahead of the run at the same time, on the same way."""
+        here, laws = self.after(place, t - place.t), self.run.system.laws
+        field = laws.mode(place.mode).written.field
+        f = laws.evaluate(("field", place.mode), field, np.array([t]), here[None], self.run.system.parameter_array)[0]
+        return float(np.nan_to_num((x - here) @ f / (f @ f), posinf=0.0, neginf=0.0)) if f.any() else 0.0

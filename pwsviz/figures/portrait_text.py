@@ -134,11 +134,11 @@ def parted_words(pictures: Pictures) -> str:
     if len(parted) == 1:
         ((other, t),) = parted
         words = f"From t = {t:.4g} on, the {met} of {other} and {agreeing} do not correspond"
-        return f"{words}: at most one of the two still follows the solution."
+        return f"{words}: the two no longer follow the same solution."
     others = listed([f"{other} from t = {t:.4g} on" for other, t in parted])
     return (
-        f"The {met} of others do not correspond to those of {agreeing}: {others}. Of each such pair at most one "
-        "run still follows the solution."
+        f"The {met} of others do not correspond to those of {agreeing}: {others}. The two runs of each such pair no "
+        "longer follow the same solution."
     )
 
 

@@ -15,7 +15,7 @@ from pwsviz.figures.colours import AMBER, GREY, RULE, VERMILION
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.point_cloud import PointCloud
 from pwsviz.figures.style import WITH_TABLE, assign, plain_figure, tips
-from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, ending, parameter_name, stretches
+from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, doubtful_words, ending, parameter_name, stretches
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.window import Window
 from pwsviz.results.sweeps import Diagram
@@ -82,10 +82,9 @@ class SweepView:
         self.cloud.show(found.portions, found.round_off)
         assign(self.early, **_strips(found))
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
-        assign(self.warned, x=[found.warned])
+        assign(self.warned, x=found.warned if len(found.warned) else [np.nan])
         self._doubt.visible = bool(found.warning)
-        doubtful = f"{parameter_name(inputs)} = {found.warned:.6g}"
-        self._doubt.label = value(printed(f"see the warning, for example at {doubtful}"))
+        self._doubt.label = value(f"see the warning: {doubtful_words(found)}")
 
     def mark(self, present: float, name: str) -> None:
         """Put the line at the current value of the parameter."""

@@ -25,6 +25,7 @@ from pwsviz.text.words import at_surface, plural
 __all__ = [
     "SUMMARY",
     "coordinate_name",
+    "doubtful_words",
     "ending",
     "parameter_name",
     "period_of",
@@ -64,6 +65,11 @@ def parameter_name(inputs: SweepInputs) -> str:
 def coordinate_name(inputs: SweepInputs) -> str:
     """Return the name of the coordinate as it is shown."""
     return coordinate_label(inputs.problem.declaration, inputs.column)
+
+
+def doubtful_words(found: Diagram) -> str:
+    """Return at how many of the values whose runs are examined something is said against these."""
+    return f"{len(found.warned):,} of {plural(len(found.examined), 'run')} examined"
 
 
 def ending(code: int) -> Outcome:
@@ -148,6 +154,8 @@ def _at_present(found: Diagram, present: float) -> str:
     at = f"At {parameter_name(inputs)} = {nearest:.6g}, nearest to the chosen value,"
     if len(points) < 2:
         return ""
+    if found.is_doubtful(float(nearest)):
+        return f"{at} or next to it, a run is in doubt (see the warning): of a period nothing is said."
     turn = TURN if inputs.column in angles(inputs.problem.declaration) else math.inf
     if (period := period_of(points, height, turn, found.round_off)) == 1:
         return f"{at} all points are the same: {points[-1]:.6g}."

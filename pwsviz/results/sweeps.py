@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -39,7 +38,16 @@ FEWEST = 16
 """Least values of a portion: fewer would not occupy a processor for long enough."""
 
 LOOKED_INTO = 4
-"""Runs of a diagram of which it is examined whether their steps are too long: it takes as long as many a run."""
+"""Runs of a diagram, those in which rates change most, that are examined for what makes them doubtful in any case …"""
+
+MOST_EXAMINED = 12
+"""… and most runs that are, with others all over the range: to examine one takes as long as many a run …"""
+
+MOST_STEPS_EXAMINED = 400_000
+"""… and most steps of those others, of each of which the first `STEPS_OF_EACH` are examined."""
+
+STEPS_OF_EACH = 50_000
+"""As many are made again to be examined: see `core.Ensemble.warning`."""
 
 PORTION = 0.5
 """Seconds that a portion should take, after which it is drawn."""
@@ -63,9 +71,11 @@ class Diagram:
     refusal: str = ""
     """Why the first of the values at which no run can begin has none."""
     warning: str = ""
-    """What is said against the steps of a run, of those in which rates change most, once all are done."""
-    warned: float = math.nan
-    """The value whose run it is said of."""
+    """What is said against the first of the runs in doubt, once all are done."""
+    examined: Floats = field(default_factory=lambda: np.empty(0))
+    """Values whose runs are examined for that, in increasing order."""
+    warned: Floats = field(default_factory=lambda: np.empty(0))
+    """Those of them against whose runs something is said."""
 
     @property
     def done(self) -> NDArray[np.bool_]:
@@ -87,6 +97,11 @@ class Diagram:
         """Difference of two points that is none, beside the start and the largest point."""
         points = (np.abs(part.y).max(initial=0.0) for part in self.portions)
         return ROUND_OFF * float(max([*map(abs, self.inputs.problem.x0), *points]))
+
+    def is_doubtful(self, value: float) -> bool:
+        """Whether something is said against the run of the next value examined, on either side."""
+        after = int(np.searchsorted(self.examined, value))
+        return bool(np.isin(self.examined[max(after - 1, 0) : after + 1], self.warned).any())
 
     def points_at(self, value: float) -> Floats:
         """Return (n,) the coordinate at the points of one of the values, in the order of time."""
@@ -145,8 +160,7 @@ def swept(inputs: SweepInputs, pool: Executor, cancel: Cancel, report: Report) -
         report(int(found.done.sum()), len(values), found)
     if (found.outcomes == NO_START).all():
         raise ValueError(found.refusal)
-    warning, warned = runs.warning(found)
-    return replace(found, warning=warning, warned=warned)
+    return runs.examined(found)
 
 
 def _portions(inputs: SweepInputs, count: int) -> Iterator[NDArray[np.intp]]:
@@ -161,15 +175,18 @@ def _portions(inputs: SweepInputs, count: int) -> Iterator[NDArray[np.intp]]:
         size = max(round(size * min(2.0, PORTION / (monotonic() - started))), least)
 
 
-class _Doubt(NamedTuple):
-    """A run whose steps may be too long."""
+class _Run(NamedTuple):
+    """A run of a diagram."""
 
-    change: float
-    """Largest change of a rate from step to step, relative to the largest rate."""
-    ensemble: core.Ensemble
-    member: int
     value: float
     """Value of the parameter."""
+    ensemble: core.Ensemble
+    member: int
+
+    @property
+    def change(self) -> float:
+        """Largest change of a rate from step to step, relative to the largest rate."""
+        return float(np.nan_to_num(self.ensemble.unlike[self.member]))
 
 
 class _Runs:
@@ -181,7 +198,7 @@ class _Runs:
         self._system, self._arguments = inputs.problem.build(), sweep_arguments(inputs)
         self._parameter = next(q for q in self._system.parameters if q.name == inputs.parameter)
         self._after: core.Sweep | None = None  # of a continuation
-        self._worst: list[_Doubt] = []
+        self._done: list[_Run] = []
         self._sweep(np.empty(0), lambda _part: None)  # refuses what makes no sense at any value
 
     def extended(self, found: Diagram, numbers: NDArray[np.intp]) -> Diagram:
@@ -202,29 +219,38 @@ class _Runs:
             found = self.extended(found, numbers[k : k + 1])
         return found
 
-    def warning(self, found: Diagram) -> tuple[str, float]:
-        """Return what is said against the steps of the first of those runs most in doubt, and its value; or nothing.
-
-        Runs that have left points come first.
-        """
+    def examined(self, found: Diagram) -> Diagram:
+        """Return a diagram with what is said against the steps of some of its runs, the first of those with points."""
         shown = set(found.values[found.counts > 0].tolist())
-        doubts = sorted(self._worst, key=lambda doubt: doubt.value not in shown)
-        told = self._pool.map(lambda doubt: doubt.ensemble.warning(doubt.member), doubts)
-        for doubt, words in zip(doubts, told, strict=True):
-            if words:
-                says = on_page(words, self._system.variables)
-                return f"{short_name(self._parameter)} = {doubt.value:.6g}: {says}", doubt.value
-        return "", math.nan
+        runs = sorted(self._to_examine(), key=lambda run: run.value not in shown)
+        told = list(self._pool.map(lambda run: "" if self._cancel() else run.ensemble.warning(run.member), runs))
+        if self._cancel():
+            raise Cancelled
+        warned = [run.value for run, words in zip(runs, told, strict=True) if words]
+        first = next((words for words in told if words), "")
+        says = (
+            f"{short_name(self._parameter)} = {warned[0]:.6g}: {on_page(first, self._system.variables)}"
+            if first
+            else ""
+        )
+        values = np.unique([run.value for run in runs])
+        return replace(found, warning=says, examined=values, warned=np.unique(warned))
 
-    def _keep_worst(self, part: core.Sweep) -> None:
-        """Keep the runs in which rates change most from step to step."""
-        doubts = list(self._worst)
-        firsts = np.cumsum([0, *map(len, part.ensembles)])
-        for first, one in zip(firsts.tolist(), part.ensembles, strict=False):
-            change = np.nan_to_num(one.unlike)
-            most = np.argsort(-change, kind="stable")[:LOOKED_INTO].tolist()
-            doubts += [_Doubt(float(change[k]), one, k, float(part.values[first + k])) for k in most]
-        self._worst = sorted(doubts, key=lambda doubt: -doubt.change)[:LOOKED_INTO]
+    def _to_examine(self) -> list[_Run]:
+        """The runs in which rates change most from step to step, and others all over the range if they are short."""
+        runs = {run.value: run for run in sorted(self._done, key=lambda run: -run.change)[:LOOKED_INTO]}
+        others, left = sorted(self._done, key=lambda run: run.value), MOST_STEPS_EXAMINED
+        for k in coarse_to_fine(len(others)).tolist():
+            left -= min(int(others[k].ensemble.steps[others[k].member]), STEPS_OF_EACH)
+            if left < 0 or len(runs) == MOST_EXAMINED:
+                break
+            runs[others[k].value] = others[k]
+        return list(runs.values())
+
+    def _keep(self, part: core.Sweep) -> None:
+        """Keep the runs of further values."""
+        values = iter(part.values.tolist())
+        self._done += [_Run(next(values), one, member) for one in part.ensembles for member in range(len(one))]
 
     def _sweep(self, values: Floats, tell: Callable[[float], None]) -> core.Sweep:
         inputs = self.inputs
@@ -242,7 +268,7 @@ class _Runs:
         if not self.inputs.of:
             crossings = np.concatenate([one.crossing_count for one in part.ensembles])
             outcomes[numbers[(outcomes[numbers] == Status.COMPLETED) & (crossings == 0)]] = NO_CROSSING
-        self._keep_worst(part)
+        self._keep(part)
         points = in_first_turn(self._system, self.inputs.column, part.points)
         at, each = np.unique(part.value, return_counts=True)
         counts[np.searchsorted(found.values, at)] = each

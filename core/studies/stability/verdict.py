@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from core.diagnostics import times_of_near_touches
 from core.integrate import integrate
 from core.integration.tally import Tally
 from core.integration.trajectory import Status, Trajectory
@@ -123,11 +125,17 @@ def expected_of(
     system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], sliding: str = "stop",
     cancel: Cancel | None = None,
 ) -> Expected:  # fmt: skip
-    """Return what to expect of a run from x0; ValueError where it cannot start."""
+    """Return what to expect of a run from x0; ValueError where it cannot start.
+
+    A solution ends where it touches a surface: rounding decides how the reference goes on.
+    """
     t0, t1 = t_span
     beyond = t1 + _BEYOND * (t1 - t0)
     run = reference_run(system, x0, (t0, beyond), sliding=sliding, cancel=cancel)
     t, size = run.crossings.t, run.psi_size()
+    touch = next(times_of_near_touches(run), math.inf)
+    if touch <= min(t1, run.t[-1]):
+        return Expected(Status.GRAZING, CrossingSequence.of(run, until=touch), beyond, size, Status.GRAZING.reason)
     if run.status is not Status.COMPLETED and run.t[-1] <= t1:
         return Expected(run.status, CrossingSequence.of(run), beyond, size, run.reason)
     before, after = t[t <= t1], t[t > t1]

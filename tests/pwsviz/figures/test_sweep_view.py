@@ -60,11 +60,14 @@ def test_the_figure_shows_points_and_the_whole_range_of_values():
     assert view._present.label.value == "chosen value, a₋ = −2.5"
 
 
-def test_the_value_that_a_warning_is_about_is_marked():
+EXAMINED = np.array([-1.0, 2.0])
+
+
+def test_the_values_that_a_warning_is_about_are_marked():
     view = SweepView(print, print)
-    view.show(replace(MIXED, warning="a₋ = −1: the step is too long.", warned=-1.0))
+    view.show(replace(MIXED, warning="a₋ = −1: the step is too long.", examined=EXAMINED, warned=EXAMINED[:1]))
     assert view.warned.data["x"] == [-1.0]
-    assert (view._doubt.visible, view._doubt.label.value) == (True, "see the warning, for example at a₋ = −1")
+    assert (view._doubt.visible, view._doubt.label.value) == (True, "see the warning: 1 of 2 runs examined")
     view.show(MIXED)
     assert not view._doubt.visible, "the legend names no line that is not there"
 

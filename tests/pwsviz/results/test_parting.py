@@ -80,6 +80,6 @@ def test_the_page_says_from_when_on_two_runs_cannot_both_be_right():
     scene.system = "chua"
     scene.methods, scene.t_end = ["rk4", "taylor"], 100.0
     told = parted_words(Results().pictures(PortraitInputs.of(scene)))
-    assert "the crossings of taylor and rk4 do not correspond: at most one of the two still follows" in told
+    assert "the crossings of taylor and rk4 do not correspond: the two no longer follow the same" in told
     scene.t_end = 10.0
     assert parted_words(Results().pictures(PortraitInputs.of(scene))) == ""
