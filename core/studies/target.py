@@ -58,7 +58,7 @@ def target_of(
     try:
         x = exact.state(end)
     except ValueError as why:
-        raise ValueError(f"t_span ends at {end:g}, after the solution: {why}; take an earlier end") from None
+        raise ValueError(f"there is no reference until t = {end:g}: {why}; take an earlier end time") from None
     times = _crossing_times(exact, end)
     labels = [exact.side(t0), *(exact.entered(k + 1) for k in range(len(times)))]
     crossings = CrossingSequence.labelled(system, times, labels)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import Executor
 
 import numpy as np
 
 import core
+from core.diagnostics import times_of_near_touches
 from core.studies import default_taus
 from pwsviz.results.requests import CostInputs, StabilityInputs, StudyInputs, sliding_of, transition_of
 from pwsviz.scene.scene import Scene
@@ -55,14 +57,22 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
     )
     if cancel():
         raise Cancelled
-    passed = len(run.crossings.passed)
+    end, status = _end_of_solution(run)
+    met = run.crossings.passed
+    passed = int((met.t <= end).sum())
     if passed < 2:
-        slide = " (where it begins to slide)" * ("sliding" in run.crossings.passed.kind[:1])
-        found = f"this trajectory has {f'one{slide}' if passed else 'none'} up to t = {run.t[-1]:g}"
-        why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
+        slide = " (where it begins to slide)" * ("sliding" in met.kind[:1])
+        found = f"this trajectory has {f'one{slide}' if passed else 'none'} up to t = {end:.6g}"
+        why = "" if status is core.Status.COMPLETED else f" It stops there: {status.reason}."
         raise ValueError(f"An order study needs at least two crossings; {found}.{why}")
     last = passed - 1  # the segment after it is studied, too
     return STUDY_CROSSINGS if last >= STUDY_CROSSINGS[-1] else tuple(sorted({-(-last // 3), -(-2 * last // 3), last}))
+
+
+def _end_of_solution(run: core.Trajectory) -> tuple[float, core.Status]:
+    """Return where a run ends and how; of one that touches a surface, where it does: rounding decides what follows."""
+    touch = next(times_of_near_touches(run), math.inf)
+    return (touch, core.Status.GRAZING) if touch < run.t[-1] else (float(run.t[-1]), run.status)
 
 
 def studied_order(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
@@ -92,10 +102,11 @@ def studied_cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Rep
         cancel=cancel,
         max_steps=MAX_STEPS,
     )
-    there = probe.status in (core.Status.COMPLETED, core.Status.STEP_LIMIT)
+    end, status = _end_of_solution(probe)
+    there = status in (core.Status.COMPLETED, core.Status.STEP_LIMIT)
     return core.work_precision(
         system,
-        (0.0, inputs.t_end if there else BEFORE_THE_END * float(probe.t[-1])),
+        (0.0, inputs.t_end if there else BEFORE_THE_END * end),
         x0=start,
         methods=inputs.methods,
         peers=inputs.peers,

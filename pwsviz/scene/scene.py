@@ -205,6 +205,8 @@ class Scene(param.Parameterized):
     def load(self, settings: Mapping[str, Any]) -> None:
         """Set some settings, and all others to their defaults; the user's own system is kept.
 
+        Step size and end time then count as those of the system shown: another one comes with its own.
+
         Raises
         ------
         ValueError
@@ -222,6 +224,7 @@ class Scene(param.Parameterized):
             fresh.accept(name, value)
         self.loads += 1
         self.restore(fresh.settings())
+        self._times = self._times._replace(tau=self.tau, t_end=self.t_end)
 
     @contextmanager
     def _without_defaults(self) -> Iterator[None]:

@@ -21,6 +21,10 @@ _SAID: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"Raise the limit \(max_crossings\) to continue", "Take an earlier end time"),
     (r"Raise the limit \(max_events\) to continue", "Take an earlier end time"),
     (r" \(terminal=False\)", ""),
+    (
+        r"crossings = \([^()]*\): crossing (\d+) and the one after it are needed, but (.*?) known",
+        r"the order is studied up to crossing \1 of the reference and the one after it, but \2 known",
+    ),
     (r", or raise the limit \(max_steps\)", ""),
     (r"Declare the law of that region \(regions\)", "Declare a law for that region in the editor"),
     (r"give a tau, which no step is longer than", "take a smaller τ, which no step is longer than"),

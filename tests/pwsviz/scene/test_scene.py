@@ -11,6 +11,7 @@ import core
 from pwsviz.scene.checks import MAX_STARTS
 from pwsviz.scene.history import History
 from pwsviz.scene.names import short_name
+from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS, number, require_few_steps
 from pwsviz.scene.views import VIEWS, View
@@ -408,3 +409,15 @@ def test_of_a_number_beyond_the_limits_the_limit_is_told(text, why):
         number(text, "It", -10.0, 10.0)
     with pytest.raises(ValueError, match="“-1e400” is too large"):
         number("-1e400", "It", -10.0, 10.0)
+
+
+def test_another_system_comes_with_its_own_times_after_an_example_and_with_those_chosen_by_hand():
+    scene = Scene()
+    scene.load(PRESETS["first_look"].settings)
+    assert (scene.tau, scene.t_end) == (0.08, 19.2)
+    scene.system = "type_sliding"
+    assert (scene.tau, scene.t_end) == (0.01, 40.0)
+    scene.load(PRESETS["first_look"].settings)
+    scene.accept("t_end", 33.0)
+    scene.system = "type_sliding"
+    assert (scene.tau, scene.t_end) == (0.01, 33.0)
