@@ -66,7 +66,8 @@ def _between(tokens: list[tuple[str, str]]) -> str:
     ends = [("sign", ""), *tokens, ("sign", "")]
     for (kind, text), (other, following) in itertools.pairwise(ends):
         if kind in _ENDS and other in _BEGINS and (kind, other) != ("name", "open"):
-            return f"a sign is missing between {text} and {following}: write a product as {text}*{following}"
+            missing = f"a multiplication sign is missing between {text} and {following}"
+            return f"{missing}: write a product as {text}*{following}"
         if kind in ("sign", "open") and other in ("sign", "close") and following not in _PREFIXES | {"not"}:
             if text in _PAIRS and following == _PAIRS[text]:
                 return f"there is nothing between {text} and {following}"

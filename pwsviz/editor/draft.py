@@ -19,7 +19,7 @@ FIELDS: Mapping[str, str] = MappingProxyType(
         "name": "Name",
         "variables": "Variables",
         "parameters": "Parameters",
-        "f": "Field f, with sign, abs, max …",
+        "f": "Field f, with sign, abs, max, min",
         "psi": "Conserved quantities ψ",
         "f_minus": "Field f₋, where g < 0",
         "f_plus": "Field f₊, where g > 0",

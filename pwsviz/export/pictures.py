@@ -56,12 +56,13 @@ _SAVE = """
 const files = new URL("components/MODULE/PictureFiles/_resources/files/", document.baseURI)
 const wished = { ...wish }
 for (const [name, choice] of Object.entries({ CHOICES })) wished[name] = choice.data.value
+wished.name = wish.name.replace(/\\.\\w+$/, ending => `-${parseInt(wished.width)}mm${ending}`)
 const tell = words => trouble.data.setv({ object: words }, { sync: false })  // or the server would repeat it, late
 tell("")
 import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished)).then(tell).catch(reason => {
   const why = String(reason?.message ?? reason).replace(/[<>&*_`]/g, " ")
   const advice = "Is the page still connected? If so, try SVG, or another width."
-  tell(`${wish.name} could not be saved: ${why}. ${advice}`)
+  tell(`${wished.name} could not be saved: ${why}. ${advice}`)
 })
 """
 

@@ -95,7 +95,7 @@ class Ground:
         self.attracting, self.repelling, self.surface = _line_source(), _line_source(), _line_source()
         look: dict[str, Any] = {"line_color": GREEN, "line_width": 9}
         attracting = plot.add_glyph(self.attracting, Line(**look))
-        repelling = plot.add_glyph(self.repelling, Line(line_dash=[8, 7], **look))
+        repelling = plot.add_glyph(self.repelling, Line(line_dash=[4, 4], **look))
         line = plot.add_glyph(self.surface, Line(line_width=2.5, **SURFACE))
         self._names = label_glyph(plot)
         self.labels = self._names.data_source

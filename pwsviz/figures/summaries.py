@@ -10,8 +10,7 @@ from html import escape
 import core
 from core.studies import FIT_ABOVE, FIT_BELOW
 from pwsviz.figures.colours import on_either_ground
-from pwsviz.figures.legends import LEGEND_GLYPH
-from pwsviz.figures.lines import Line, line_of, together
+from pwsviz.figures.lines import line_of
 from pwsviz.figures.order import Row, Studied, limits
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import has_bare
@@ -24,15 +23,19 @@ from pwsviz.text.words import as_text, duration, listed, plural, rounded
 TIMED = 0.01
 """Seconds of a run from which on its time is told: a shorter one, taken once, would mislead. The view Cost repeats."""
 
+DOT = 10
+"""Size in pixels of a dot in the colour of an integrator."""
 
-def run_line(summary: Summary, line: Line) -> str:
+
+def run_line(summary: Summary) -> str:
     """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, max |Δψ| = 8.2e-16”."""
     figures = f"{plural(summary.steps, 'step')}, {summary.course}"
     if summary.seconds >= TIMED:
         figures += f", {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f', <span style="white-space: nowrap">max |Δψ| = {rounded(summary.worst_error)}</span>'
-    return f'<div class="run">{swatch(line)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
+    colour = line_of(summary.method).colour
+    return f'<div class="run">{dot(colour)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
 
 
 def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str:
@@ -45,7 +48,7 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
         if each.status is not core.Status.COMPLETED:
             stopped.setdefault(each.status, []).append(each)
     reasons = [_reason(*group) for group in stopped.values()]
-    lines = map(run_line, summaries, together(line_of(each.method) for each in summaries))
+    lines = map(run_line, summaries)
     warned = [f"{each.method}: {words}" for each, words in zip(summaries, warnings, strict=False) if words]
     return "".join(lines) + "".join(as_text(words, "stopped") for words in (*reasons, *warned))
 
@@ -69,13 +72,11 @@ def _reason(first: Summary, *others: Summary) -> str:
     return f"{first.method}: {first.message}{likewise}"
 
 
-def swatch(line: Line) -> str:
-    """Return a sample of the line of an integrator, as SVG."""
-    dashes = " ".join(map(str, line.dash))
+def dot(colour: str) -> str:
+    """Return a dot in the colour of an integrator, as SVG: its line is solid or dashed, as the figure has room."""
     return (
-        f'<svg width="{LEGEND_GLYPH}" height="8" aria-hidden="true"><line x1="0" y1="4" x2="{LEGEND_GLYPH}" y2="4" '
-        f'stroke="{line.colour}" style="stroke: {on_either_ground(line.colour)}" stroke-width="2.5" '
-        f'stroke-dasharray="{dashes}"/></svg>'
+        f'<svg width="{DOT}" height="{DOT}" viewBox="-1 -1 2 2" aria-hidden="true">'
+        f'<circle r="1" fill="{colour}" style="fill: {on_either_ground(colour)}"/></svg>'
     )
 
 

@@ -96,7 +96,7 @@ class Explorer(pn.viewable.Viewer):
         )  # fmt: skip
         link_portrait(self.portrait_panel.portrait)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
-        self._controls = pn.Column(text_pane("Loading …"), margin=0, sizing_mode="stretch_width")
+        self._controls = pn.Column(margin=0, sizing_mode="stretch_width")
         self._views = pn.Column(margin=0, sizing_mode="stretch_width")
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self.lecture = Lecture(sizing_mode="fixed", width=0, height=0, margin=0)

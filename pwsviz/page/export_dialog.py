@@ -175,7 +175,7 @@ class ExportDialog(pn.viewable.Viewer):
             buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables), piece))
         if piece.figures:
             buttons += [self._picture(piece, kind) for kind in KINDS]
-            buttons.append(self._copy("Copy full caption", "words", _caption(self.scene, piece)))
+            buttons.append(self._copy("Copy caption", "words", _caption(self.scene, piece)))
         else:
             buttons.append(pmui.Typography(piece.lack, margin=(8, 8), variant="body2"))
         title = pmui.Typography(piece.title, margin=(8, 8), width=170)

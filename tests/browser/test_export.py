@@ -118,7 +118,7 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     page.get_by_role("button", name="85 mm").click()
     page.get_by_role("button", name="full", exact=True).click()
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    page.get_by_role("button", name="Copy full caption").first.click()
+    page.get_by_role("button", name="Copy caption").first.click()
     page.get_by_role("button", name="Copied").first.wait_for()
     page.wait_for_function(
         "async () => (await navigator.clipboard.readText()).startsWith('Phase portrait of the system “Elliptic')"

@@ -8,9 +8,9 @@ from core.symbolic import parse
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("-2*x**2 - a sin(x)", "a sign is missing between a and sin: write a product as a*sin"),
-        ("2x", "a sign is missing between 2 and x: write a product as 2*x"),
-        ("(x + 1)y", "a sign is missing between ) and y"),
+        ("-2*x**2 - a sin(x)", "a multiplication sign is missing between a and sin: write a product as a*sin"),
+        ("2x", "a multiplication sign is missing between 2 and x: write a product as 2*x"),
+        ("(x + 1)y", "a multiplication sign is missing between ) and y"),
         ("2*(x + 1", "a closing bracket ) is missing"),
         ("sin(x]", "a bracket is missing before one of the ]"),
         ("x) + 1", "a bracket is missing before one of the )"),

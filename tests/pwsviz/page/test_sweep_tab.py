@@ -156,7 +156,7 @@ def test_a_diagram_that_stays_in_sight_while_another_is_prepared_is_called_the_f
 
 @pytest.mark.parametrize("view", ["sweep", "section"])
 def test_a_view_without_a_reference_warns_of_steps_that_are_too_long(view):
-    page = opened(system="elliptic_curve", methods=["dmm2"], view=view, tau=0.2)
+    page = opened(system="elliptic_curve", methods=["dmm2"], view=view, tau=0.2, sweep_range=(0.5, 1.3))
     assert '<p class="stopped">' in page.view.words.object
     assert "too long for this field" in page.view.words.object
     page.close()
