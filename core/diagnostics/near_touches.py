@@ -31,6 +31,8 @@ _GROWTH = 1e6
 _MOST_STEPS = 500_000
 #: Part of the tolerance with which a method that chooses its steps makes a run again.
 _FINER = 1.0 / 16.0
+#: An error up to this many times the bound on rounding is about as small as that.
+_HARDLY_MORE = 1e3
 #: Longest time to the least height of a slight pass, from where another run is compared, in steps.
 _NEAR = 8.0
 #: Time by which two runs of a method that chooses its steps meet a surface apart, in units of its longest step.
@@ -66,7 +68,7 @@ class _Least(NamedTuple):
     """Rate of its rate."""
 
 
-def near_touches(run: Trajectory, known: bool = False) -> Iterator[str]:
+def near_touches(run: Trajectory, rounding: bool = False) -> Iterator[str]:
     """Say where a run passes a surface by less than its own error.
 
     What half the step size changes, or a smaller tolerance, is taken for half the error.
@@ -74,8 +76,8 @@ def near_touches(run: Trajectory, known: bool = False) -> Iterator[str]:
     Parameters
     ----------
     run : Trajectory
-    known : bool
-        Say only where that error is known, as a run with smaller steps takes the same way.
+    rounding : bool
+        Say only where that error is about as small as that of rounding, so that smaller steps hardly help.
 
     Yields
     ------
@@ -83,7 +85,7 @@ def near_touches(run: Trajectory, known: bool = False) -> Iterator[str]:
         Some sentences, without the last full stop, in the order of the run.
     """
     for least, error in _slight_passes(run):
-        if math.isfinite(error) or not known:
+        if error <= _HARDLY_MORE * least.noise or not rounding:
             yield _words(run, least, error)
 
 

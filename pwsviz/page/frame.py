@@ -52,6 +52,7 @@ THEME = {
         "MuiButton": {  # on whose own shade under the pointer blue words have a contrast of 4.4, too little
             "styleOverrides": {"text": {"&:hover": {"backgroundColor": "transparent", "textDecoration": "underline"}}}
         },
+        "MuiTooltip": {"styleOverrides": {"tooltip": {"width": "max-content"}}},
         "MuiDrawer": {
             "defaultProps": {"slotProps": {"paper": {"aria-label": "Controls"}}},
             "styleOverrides": {
