@@ -30,6 +30,8 @@ _MARGIN = 0.1
 #: Ratio of the sizes of two variables from which on a least-norm change of a step is one of the smaller: systems drawn
 #: at random keep their dmm2 to 1e2, and lose it in a third of the cases at 1e4.
 _UNLIKE = 1e3
+#: Part of a step ahead within which a law may cease to be defined, of a step that fails, and of ever shorter ones.
+_UNDEFINED_WITHIN = {Status.NO_CONVERGENCE: 1.0, Status.STEP_LIMIT: 2.0**-30}
 #: Steps ahead of a failed step within which the solution must run away to be the cause of the failure.
 _AHEAD = 16.0
 
@@ -203,9 +205,9 @@ def _advice(end: Ending) -> str:
             "With these values of the parameters the field has a limit there, with others it has none: write it "
             "without the factor that numerator and denominator have in common."
         )
-    if status is Status.NO_CONVERGENCE and last.mode != NO_MODE and not end.slides:
+    if (ahead := _UNDEFINED_WITHIN.get(status, 0.0)) and last.mode != NO_MODE and not end.slides:
         name = laws.name(last.mode)
-        if ends_beyond(end.system, name, last.t, np.array(last.x), end.cause.step):
+        if ends_beyond(end.system, name, last.t, np.array(last.x), ahead * end.cause.step):
             field = ("f_minus", "f_plus")[last.mode] if laws.two_sided else f"the field of region {name!r}"
             return (
                 f"{field} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
@@ -215,7 +217,7 @@ def _advice(end: Ending) -> str:
         others = ", ".join(name for name, one in METHODS.items() if not one.conservative)
         return f"Take a method that does without ψ ({others})."
     if status is Status.NO_CONVERGENCE and (zeros := _zeros_of_mode(end)):
-        ends = f"The field is not bounded where {zeros} vanishes: a solution that comes there ends."
+        ends = f"The field has no value where {zeros} vanishes: a solution that comes there may end."
         return f"{ends} {_plain_advice(end)}"
     if status is Status.NO_CONVERGENCE and (zeros := _zeros_of_noise(end)):
         return (

@@ -233,6 +233,8 @@ def _checked_taus(taus: Iterable[float]) -> Floats:
     steps = np.array([number(tau, "tau") for tau in listed(taus, "taus", "a tuple is needed, as in (0.1, 0.05)")])
     if not 2 <= len(steps) <= _MAX_TAUS:
         raise ValueError(f"taus has {len(steps)} step sizes: 2 to {_MAX_TAUS} are possible")
+    if len(set(steps)) < len(steps):
+        raise ValueError(f"taus = {steps.tolist()!r} has a step size twice: give different ones")
     return steps
 
 

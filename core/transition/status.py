@@ -110,8 +110,9 @@ _WORDS = {
     Status.EVENT: ("an event took place that ends the run", "To go on, let the event not end it (terminal=False)."),
     Status.EVENT_LIMIT: ("the limit of events is reached", "Raise the limit (max_events) to continue."),
     Status.SINGULAR: (
-        "the next step passes a place where the field is not bounded",
-        "A solution that comes there ends: end the run before. If the exact one does not, take a smaller step size.",
+        "the next step passes a place where the field has no value",
+        "A solution that comes there may end there: end the run before. If the exact one stays away, take a smaller "
+        "step size.",
     ),
 }
 
@@ -131,7 +132,7 @@ _WITHOUT_TAU = {
     Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero, or "
     "variables differ in size by many powers of ten: take prk8 or rk8 instead.",
     Status.ESCAPED: "The solution seems to have a pole there: end the run before it.",
-    Status.SINGULAR: "The solution ends there: end the run before.",
+    Status.SINGULAR: "The solution may end there: end the run before.",
     Status.STEP_LIMIT: "Take a larger tolerance or an earlier end time, or raise the limit (max_steps).",
     Status.UNSTABLE: "Take a smaller tolerance.",
 }

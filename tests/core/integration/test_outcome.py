@@ -66,3 +66,11 @@ def test_a_region_without_a_law_into_which_a_perturbation_may_have_led_is_said_t
     run = core.integrate("two_walls", (0.0, 20.0), tau=1.0, perturbation_order=1, perturbation_scale=2.2)
     assert run.status is Status.UNDECLARED
     assert "perturbed crossing, by 2.2, has moved it there: perturb by less" in run.message
+
+
+def test_steps_that_shorten_towards_where_a_law_ceases_to_be_defined_are_told_so():
+    """x′ = √(1 − x) + 2 comes to x = 1 with rate 2, where the solution ends."""
+    system = core.PiecewiseSystem("Root", ("x", "y"), ("sqrt(1 - x) + 2", "x - y"), ("1", "0"), "x - 5", x0=(0.0, 0.0))
+    run = core.integrate(system, (0.0, 1.0), method="taylor", max_steps=1000)
+    assert run.status is Status.STEP_LIMIT
+    assert "f_minus is not defined a step ahead" in run.message

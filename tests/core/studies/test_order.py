@@ -179,7 +179,15 @@ def test_trajectories_with_too_few_crossings_are_refused_in_words():
 
 
 @pytest.mark.parametrize(
-    "change", [{"taus": [1e-2]}, {"taus": [1e-2, -1e-3]}, {"crossings": ()}, {"crossings": (3, 2)}, {"method": "x"}]
+    "change",
+    [
+        {"taus": [1e-2]},
+        {"taus": [1e-2, 1e-2]},
+        {"taus": [1e-2, -1e-3]},
+        {"crossings": ()},
+        {"crossings": (3, 2)},
+        {"method": "x"},
+    ],
 )
 def test_arguments_that_make_no_sense_are_refused(change):
     with pytest.raises(ValueError, match=r"."):

@@ -73,7 +73,7 @@ def test_a_zero_common_to_numerator_and_denominator_for_some_parameters_is_calle
     run = core.integrate(declared("(x**2 - b)/(x - a)", a=2.0, b=b), (0.0, -5.0), tau=0.013, method="rk4")
     assert run.status is core.Status.SINGULAR
     assert ("0/0" in run.message) is zero_over_zero
-    assert ("not bounded" in run.message) is not zero_over_zero
+    assert ("has no value" in run.message) is not zero_over_zero
 
 
 def _turning(_t, phi):
