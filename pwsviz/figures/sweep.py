@@ -68,7 +68,7 @@ class SweepView:
         self.warned = ColumnDataSource({"x": [np.nan]})
         doubt = plot.add_glyph(self.warned, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[2, 4]))
         self._present, self._early, self._doubt = legend_below(
-            plot, [("chosen value", line), ({"field": "words"}, strips), ("see the warning", doubt)]
+            plot, [("chosen value", line), ({"field": "words"}, strips), ("in doubt", doubt)]
         )
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
@@ -84,7 +84,7 @@ class SweepView:
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
         assign(self.warned, x=found.warned if len(found.warned) else [np.nan])
         self._doubt.visible = bool(found.warning)
-        self._doubt.label = value(f"see the warning: {doubtful_words(found)}")
+        self._doubt.label = value(f"in doubt: {doubtful_words(found)}")
 
     def mark(self, present: float, name: str) -> None:
         """Put the line at the current value of the parameter."""

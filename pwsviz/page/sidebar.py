@@ -30,7 +30,11 @@ from pwsviz.widgets.panes import PLAIN_SX, heading, heading_with, text_pane
 TAU_SLIDER = (1e-4, 0.3)
 """Ends of the slider of the step size; the field beside it takes the whole range of the scene."""
 
-COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 80px !important; min-width: 80px; }"
+COORDINATES_CSS = """
+:host { flex-wrap: wrap; gap: 0 8px; }
+:host > * { flex: 1 1 80px !important; min-width: 80px; }
+:host > :first-child:nth-last-child(4), :host > :first-child:nth-last-child(4) ~ * { flex-basis: 100px !important; }
+"""
 """Side by side where at least 80 px remain for each, so that the names can be read."""
 
 METHOD_NOTES = {name: method.doc for name, method in core.METHODS.items()}

@@ -67,7 +67,7 @@ def test_the_values_that_a_warning_is_about_are_marked():
     view = SweepView(print, print)
     view.show(replace(MIXED, warning="a₋ = −1: the step is too long.", examined=EXAMINED, warned=EXAMINED[:1]))
     assert view.warned.data["x"] == [-1.0]
-    assert (view._doubt.visible, view._doubt.label.value) == (True, "see the warning: 1 of 2 runs examined")
+    assert (view._doubt.visible, view._doubt.label.value) == (True, "in doubt: 1 of 2 runs examined")
     view.show(MIXED)
     assert not view._doubt.visible, "the legend names no line that is not there"
 
