@@ -135,9 +135,9 @@ def diagnose(run: Trajectory) -> Diagnosis:
 def step_warning(run: Trajectory) -> str:
     """Warning about the step size, in a sentence; '' where there is none.
 
-    The first of `not_undone`: it goes back in time; of `cancelled`: the terms of a law cancel; of `near_touches` with
-    an error of rounding: smaller steps hardly help; else of `unresolved`: steps too long for g or for the field; else
-    that of `undecided_corners`, of `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, of
+    The first of `not_undone`: it goes back in time; of `cancelled`: the terms of a law cancel; else of `near_touches`
+    with an error of rounding: smaller steps hardly help, and of `unresolved`: steps too long for g or for the field;
+    else that of `undecided_corners`, of `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, of
     `led_astray`, or of `Diagnosis.warnings` from the first 256 crossings. A run that has not recorded its steps is
     judged by its first steps, made again, and, if these are not all and nothing is said of them, by what it has
     recorded.
@@ -153,8 +153,10 @@ def _warning(run: Trajectory) -> str:
     judged = run.crossings.first(min(_FIRST, _judged(run)))
     at_surfaces = (undecided_corners(run), slid_into_corners(run), near_touches(run), slow_crossings(run, judged))
     doubts = chain(*at_surfaces, amplified(run), led_astray(run))
-    first = (*not_undone(run), *cancelled(run)) or tuple(islice(near_touches(run, rounding=True), 1))
-    warnings = first or unresolved(run) or tuple(islice(doubts, 1))
+    warnings = (*not_undone(run), *cancelled(run))
+    if not warnings:
+        touches, coarse = tuple(islice(near_touches(run, rounding=True), 1)), unresolved(run)[:1]
+        warnings = (". ".join((*touches, *coarse)),) if touches or coarse else tuple(islice(doubts, 1))
     if not warnings:
         warnings = _diagnosis(run, judged).warnings
     return f"{warnings[0]}." if warnings else ""

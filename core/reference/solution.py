@@ -48,7 +48,7 @@ class Stop(NamedTuple):
     @property
     def where(self) -> str:
         """Time and state in words: “t = 1.25, x = (0, -1)”."""
-        return f"t = {self.t:.9g}, x = ({', '.join(f'{value:.6g}' for value in self.x)})"
+        return f"t = {self.t:.16g}, x = ({', '.join(f'{value:.6g}' for value in self.x)})"
 
 
 class Arrival(NamedTuple):

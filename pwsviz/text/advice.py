@@ -15,12 +15,18 @@ def _state(found: re.Match[str]) -> str:
     return re.sub(r"\.0(?=[,)])|,(?=\))", "", found[0].removeprefix("x0 = "))
 
 
+def _time(found: re.Match[str]) -> str:
+    """Return a time in six digits."""
+    return f"{float(found[0]):.6g}"
+
+
 #: What `core` writes for programs, as a pattern, and what the page says instead.
 _SAID: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r'let it slide \(sliding="continue"\)', "choose “Slide along the surface”"),
     (r"Raise the limit \(max_crossings\) to continue", "Take an earlier end time"),
     (r"Raise the limit \(max_events\) to continue", "Take an earlier end time"),
     (r" \(terminal=False\)", ""),
+    (r"(?<=solution ends at t = )[\d.e+-]*\d", _time),
     (
         r"crossings = \([^()]*\): crossing (\d+) and the one after it are needed, but (.*?) known",
         r"the order is studied up to crossing \1 of the reference and the one after it, but \2 known",

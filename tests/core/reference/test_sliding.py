@@ -148,7 +148,7 @@ def ends(solution):
     assert solution.stop is None
     with pytest.raises(ValueError, match="the solution ends at") as ended:
         solution.state(30.0)
-    assert f"t = {solution.stop.t:.9g}, x = (" in str(ended.value)
+    assert f"t = {solution.stop.t:.16g}, x = (" in str(ended.value)
     assert solution.stop.reason in str(ended.value)
     return solution.stop
 
