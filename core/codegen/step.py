@@ -315,8 +315,8 @@ class StepCode:
         """Project an increment along the discrete gradient to the levels of ψ: Λᵗ Δ + h s_t = −(level residual).
 
         With this projection any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017). The level
-        residual is evaluated here, or, if `prepared`, has been by `prepare_step`. This also tells how far each
-        coordinate moves: in that metric, a projection does not depend on the units of the coordinates.
+        residual is evaluated here, or, if `prepared`, has been by `prepare_step`. This also tells how large
+        each coordinate is and moves: in that metric, a projection does not depend on the units of the coordinates.
         """
         mode, d = self._mode, len(self.x)
         m = len(mode.conserved)
@@ -326,9 +326,9 @@ class StepCode:
         if prepared:
             frame = self._names.frame
             lines += [f"o{j} = w[{frame.level_residual + j}]" for j in range(m)]
-            lines += [f"motion{k} = w[{frame.motion + k}]" for k in range(d)]
-            lines += [f"farthest = max({', '.join(f'motion{k}' for k in range(d))})"]
-            lines += [f"weight{k} = (motion{k} / farthest)**2" for k in range(d)]
+            lines += [f"extent{k} = w[{frame.extent + k}]" for k in range(d)]
+            lines += [f"largest = max({', '.join(f'extent{k}' for k in range(d))})"]
+            lines += [f"weight{k} = (extent{k} / largest)**2" for k in range(d)]
         else:
             lines += [*level_residual_lines(self._names, mode), *(f"o{j} = r{j}" for j in range(m))]
         gradient = sympy.Matrix(m, d, self.at_ends(mode.discrete.gradient))

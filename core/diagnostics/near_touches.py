@@ -233,8 +233,10 @@ class _Search:
         return math.inf if other is None else 2.0 * abs(other.height - least.height)
 
     def ahead(self, place: _Place, t: float, x: Floats) -> float:
-        """Time by which a state is ahead of the run at the same time, on the same way."""
+        """Time by which a state is ahead of the run at the same time, on the same way; 0 if that is far."""
         here, laws = self.after(place, t - place.t), self.run.system.laws
         field = laws.mode(place.mode).written.field
         f = laws.evaluate(("field", place.mode), field, np.array([t]), here[None], self.run.system.parameter_array)[0]
-        return float(np.nan_to_num((x - here) @ f / (f @ f), posinf=0.0, neginf=0.0)) if f.any() else 0.0
+        with np.errstate(all="ignore"):
+            ahead = float((x - here) @ f / (f @ f))
+        return ahead if abs(ahead) <= _NEAR * self.longest else 0.0

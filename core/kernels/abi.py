@@ -176,8 +176,8 @@ class Frame(NamedTuple):
         return _HEAD + 3 * self.d
 
     @property
-    def motion(self) -> int:
-        """How far each coordinate moves in a step of a variable-step method; positive."""
+    def extent(self) -> int:
+        """Size of each coordinate, and of its motion in a step of a variable-step method; positive."""
         return _HEAD + (VECTORS - 1) * self.d
 
     @property

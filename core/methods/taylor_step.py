@@ -29,8 +29,8 @@ _SHORTEST = 2.0**-24
 _FAINT = 2.0 ** (-1074 + 24 * 5 + 52)
 #: Number of terms of the series that tell how far a coordinate moves: where it turns, the first vanishes.
 _TERMS = 3
-#: Least motion of a coordinate, relative to that of the one that moves farthest: its square is far from underflow.
-_LEAST_MOTION = 2.0**-60
+#: Least extent of a coordinate, relative to the largest of all: its square is far from underflow.
+_LEAST_EXTENT = 2.0**-60
 #: Largest number of evaluations of the coefficients: one beside the state, others at the state in new units of time.
 _ATTEMPTS = 6
 #: Displacement of the state beside which the coefficients are evaluated, relative to the state …
@@ -58,7 +58,7 @@ def prepare_step_text(laws: Laws, mode: Mode) -> str:
     lines += [f"{ALONG} = 1.0 if h > 0.0 else -1.0"] if mode.slides else []
     lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, mode, code))]
     lines += _residual_lines(laws, mode)
-    lines += _motion_lines(laws, mode)
+    lines += _extent_lines(laws, mode)
     lines += [f"if length == math.inf and is_at_rest(c, {len(laws.x)}, order):", f"    unit *= {_AT_REST}"]
     lines += [f"w[{UNIT}], w[{PER_UNIT}] = unit, 1.0 / unit", "length = limit if limit < length else length"]
     lines += [f"w[{LENGTH}] = unit*({_LONGEST} if length > {_LONGEST} else length)", "return 1"]
@@ -144,20 +144,21 @@ def _residual_lines(laws: Laws, mode: Mode) -> list[str]:
     return [*lines, *(f"    {target} = r{j}" for j, target in enumerate(targets))]
 
 
-def _motion_lines(laws: Laws, mode: Mode) -> list[str]:
-    """Lines that write to the frame how far each coordinate moves in the step: the metric of the projection.
+def _extent_lines(laws: Laws, mode: Mode) -> list[str]:
+    """Lines that write to the frame how large each coordinate is and how far it moves: the metric of the projection.
 
-    It has the units of the coordinates, so that the projection does not depend on these.
+    The error of a coordinate is relative to that. It has the units of the coordinates, so that the projection does not
+    depend on these.
     """
     if not mode.conserved:
         return []
-    motion, d = Names(laws).frame.motion, range(len(laws.x))
+    extent, d = Names(laws).frame.extent, range(len(laws.x))
     lines = [f"part = length if length < {_LONGEST} else 1.0"]
     for k in d:
         series = f"abs(c[{k}, {_TERMS}])"
-        for m in range(_TERMS - 1, 0, -1):
+        for m in range(_TERMS - 1, -1, -1):
             series = f"(abs(c[{k}, {m}]) + part*{series})"
-        lines.append(f"motion{k} = part*{series}")
-    lines.append(f"farthest = max({', '.join(f'motion{k}' for k in d)}, 0.0)")
-    lines.append("farthest = farthest if 0.0 < farthest < math.inf else 1.0")
-    return lines + [f"w[{motion + k}] = max(motion{k}, farthest*{_LEAST_MOTION})" for k in d]
+        lines.append(f"extent{k} = {series}")
+    lines.append(f"largest = max({', '.join(f'extent{k}' for k in d)}, 0.0)")
+    lines.append("largest = largest if 0.0 < largest < math.inf else 1.0")
+    return lines + [f"w[{extent + k}] = max(extent{k}, largest*{_LEAST_EXTENT})" for k in d]

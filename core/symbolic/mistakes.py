@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+from core.symbolic.operations import FUNCTIONS
+
 __all__ = ["meant", "mistake"]
 
 _TOKENS = re.compile(
@@ -66,6 +68,8 @@ def _between(tokens: list[tuple[str, str]]) -> str:
     ends = [("sign", ""), *tokens, ("sign", "")]
     for (kind, text), (other, following) in itertools.pairwise(ends):
         if kind in _ENDS and other in _BEGINS and (kind, other) != ("name", "open"):
+            if text in FUNCTIONS:
+                return f"the argument of {text} needs brackets, as in {text}({following if other != 'open' else '…'})"
             missing = f"a multiplication sign is missing between {text} and {following}"
             return f"{missing}: write a product as {text}*{following}"
         if kind in ("sign", "open") and other in ("sign", "close") and following not in _PREFIXES | {"not"}:

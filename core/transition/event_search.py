@@ -121,8 +121,8 @@ def set_frame(context, watch, w, plain, asked):
         keep_levels(w, v, context.x.size)
     if main.adaptive == 1:
         v[UNIT], v[PER_UNIT], d = w[UNIT], w[PER_UNIT], context.x.size
-        motion = _HEAD + (VECTORS - 1) * d  # as `prepare_step` has left it: see `Frame`
-        for i in range(motion, motion + d):
+        extent = _HEAD + (VECTORS - 1) * d  # as `prepare_step` has left it: see `Frame`
+        for i in range(extent, extent + d):
             v[i] = w[i]
         if main.monitored == 0:  # the residual of the levels is still that of the start
             count = (w.size - _HEAD - VECTORS * d) // 3

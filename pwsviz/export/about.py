@@ -131,7 +131,8 @@ def _integration(scene: Scene, met: bool, slid: bool, told: Told) -> str:
     adaptive = [name for name in scene.used if _adaptive(name)]
     others = [name for name in scene.used if name not in adaptive]
     by = [f"by {listed(others)} with step size τ {told(scene.tau)}"] if others else []
-    by += [f"by {listed(adaptive)} with tolerance {scene.tolerance:.3g}"] if adaptive else []
+    longest = f"in steps of at most τ{'' if others else f' {told(scene.tau)}'}"
+    by += [f"by {listed(adaptive)} with tolerance {scene.tolerance:.3g}, {longest}"] if adaptive else []
     what, slides = met_at_surfaces(scene.declaration), scene.slides and slid
     crossings = at_surface(what, scene.locate, slides, scene.perturbation_order, scene.perturbation_scale)
     end = told(scene.t_end).partition(" ")[2]

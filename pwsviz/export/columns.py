@@ -53,6 +53,7 @@ MEANINGS: Mapping[str, str] = {
     "expected_slides": "how often sliding begins in the solution",
     "value": "value of the parameter",
     "ended": "how the run of a value ended",
+    "doubt": "whether the run of a value was examined for errors and is in doubt; empty if it was not examined",
     "points": "number of its points",
     "correct_sequence": "whether the run has the crossings of the solution, in order",
     "as_the_solution": "whether the run ends as the solution does, with the same sequence of crossings",

@@ -120,7 +120,7 @@ def sweep_tables(found: Diagram) -> Tables:
     Columns
     -------
     points: value, the coordinate by name (of an angle, without full turns);
-    values: value, points (how many), ended.
+    values: value, points (how many), ended, doubt (“examined”, “in doubt”, or empty where a run is not examined).
     """
 
     def points() -> Columns:
@@ -132,7 +132,10 @@ def sweep_tables(found: Diagram) -> Tables:
     def values() -> Columns:
         there = found.done
         ended = [_ended(*one) for one in zip(found.outcomes[there].tolist(), found.whole[there], strict=True)]
-        return {"value": found.values[there], "points": found.counts[there], "ended": np.array(ended)}
+        value = found.values[there]
+        examined = np.where(np.isin(value, found.examined), "examined", "")
+        doubt = np.where(np.isin(value, found.warned), "in doubt", examined)
+        return {"value": value, "points": found.counts[there], "ended": np.array(ended), "doubt": doubt}
 
     return {"points": points, "values": values}
 

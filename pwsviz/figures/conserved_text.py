@@ -185,10 +185,9 @@ def _share_of_crossings(curve: ErrorCurve, known: NDArray[np.bool_]) -> str:
 
 
 def _kind_of_rounding(curve: ErrorCurve, error: Floats, known: NDArray[np.bool_]) -> str:
-    """Say which rounding is as large as an error: that of ψ, or that of all steps; empty if the error is larger."""
-    if (error <= curve.round_off[known]).all():
-        return "round-off"
-    return "accumulated round-off" * bool((error <= curve.accumulated_round_off[known]).all())
+    """Say that an error is round-off, if it is no larger than that of ψ or of all steps; empty if it is larger."""
+    most = np.maximum(curve.round_off[known], curve.accumulated_round_off[known])
+    return "round-off" * bool((error <= most).all())
 
 
 def _end_of(curve: ErrorCurve, known: NDArray[np.bool_]) -> float:

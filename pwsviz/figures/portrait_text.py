@@ -137,8 +137,8 @@ def parted_words(pictures: Pictures) -> str:
         return f"{words}: the two no longer follow the same solution."
     others = listed([f"{other} from t = {t:.4g} on" for other, t in parted])
     return (
-        f"The {met} of others do not correspond to those of {agreeing}: {others}. The two runs of each such pair no "
-        "longer follow the same solution."
+        f"The {met} of the others do not correspond to those of {agreeing}: {others}. The two runs of each such pair "
+        "no longer follow the same solution."
     )
 
 
@@ -148,7 +148,7 @@ def _warned(pictures: Pictures, warnings: Sequence[str]) -> str:
     told = {number for (number, _), words in zip(pictures.numbered, warnings, strict=False) if words}
     told -= {pictures.inputs.index + 1, *told_already}
     those = "it" if len(told) == 1 else "one of them"
-    return f"There is a warning of {_named(pictures, told)}: select {those} to read it." if told else ""
+    return f"There is a warning for {_named(pictures, told)}: select {those} to read it." if told else ""
 
 
 def _without_psi(pictures: Pictures) -> str:

@@ -256,7 +256,7 @@ def state_text(names: Sequence[str], runs: Sequence[StateCurves], crossings: int
     """
     first = runs[0]
     ranges = [_told(name, runs, k) for k, name in enumerate(names[:MOST_PANELS])]
-    off = " Its last part runs off." if first.runs_off else ""
+    off = " Its last part leaves the plot." if first.runs_off else ""
     more = f" Only the first {MOST_PANELS} of {len(names)} coordinates are drawn." if len(names) > MOST_PANELS else ""
     marks = f" {whose_marks([run.method for run in runs], crossings)}".rstrip() + _how_many(crossings)
     return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges)}.{off}{more}{marks}"

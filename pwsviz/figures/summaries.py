@@ -27,13 +27,17 @@ DOT = 10
 """Size in pixels of a dot in the colour of an integrator."""
 
 
-def run_line(summary: Summary) -> str:
-    """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, max |Δψ| = 8.2e-16”."""
+def run_line(summary: Summary, warned: bool = False) -> str:
+    """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, max |Δψ| = 8.2e-16”.
+
+    If `warned`, they refer to the warning below, which a projector may not show.
+    """
     figures = f"{plural(summary.steps, 'step')}, {summary.course}"
     if summary.seconds >= TIMED:
         figures += f", {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f', <span style="white-space: nowrap">max |Δψ| = {rounded(summary.worst_error)}</span>'
+    figures += " (see the warning)" * warned
     colour = line_of(summary.method).colour
     return f'<div class="run">{dot(colour)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
 
@@ -48,8 +52,9 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
         if each.status is not core.Status.COMPLETED:
             stopped.setdefault(each.status, []).append(each)
     reasons = [_reason(*group) for group in stopped.values()]
-    lines = map(run_line, summaries)
-    warned = [f"{each.method}: {words}" for each, words in zip(summaries, warnings, strict=False) if words]
+    said = [*warnings, *[""] * len(summaries)]
+    lines = [run_line(each, bool(words)) for each, words in zip(summaries, said, strict=False)]
+    warned = [f"{each.method}: {words}" for each, words in zip(summaries, said, strict=False) if words]
     return "".join(lines) + "".join(as_text(words, "stopped") for words in (*reasons, *warned))
 
 

@@ -20,13 +20,14 @@ from pwsviz.results.sweeps import NO_CROSSING, NO_START, Diagram
 from pwsviz.scene.names import met_at_surfaces, readable, short_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import at_surface, plural
+from pwsviz.text.words import at_surface, listed, plural
 
 __all__ = [
     "SUMMARY",
     "coordinate_name",
     "doubtful_words",
     "ending",
+    "examined_words",
     "parameter_name",
     "period_of",
     "stretches",
@@ -68,8 +69,20 @@ def coordinate_name(inputs: SweepInputs) -> str:
 
 
 def doubtful_words(found: Diagram) -> str:
-    """Return at how many of the values whose runs are examined something is said against these."""
+    """Return against how many of the runs that are examined something is said."""
     return f"{len(found.warned):,} of {plural(len(found.examined), 'run')} examined"
+
+
+def examined_words(found: Diagram) -> str:
+    """Return which runs are examined, and what is said against the first in doubt; empty where none are."""
+    if not len(found.examined):
+        return ""
+    which = "those in which rates change most, and others all over the range"
+    words = f"Of the {plural(int(found.done.sum()), 'run')}, {len(found.examined):,} were examined for errors: {which}."
+    if not len(found.warned):
+        return f"{words} Nothing is said against them."
+    values = [f"{value:.6g}" for value in found.warned]
+    return f"{words} Dotted lines mark those in doubt, at {parameter_name(found.inputs)} = {listed(values)}."
 
 
 def ending(code: int) -> Outcome:
@@ -135,6 +148,7 @@ def sweep_details(found: Diagram, shown: str = "") -> str:
         words += f" {found_all} every value."
     elif done:
         words += f" {found_all} {f'{whole:,}' if whole else 'none'} of the {plural(done, 'value')}."
+    words = f"{words} {examined_words(found)}".strip()
     hope = prospects(inputs.problem.declaration, "sweep", shown) if found.counts.any() or not done else ""
     return f"{words} {hope or examples_of('sweep', shown) * (2 * whole < done)}".strip()
 
@@ -154,8 +168,9 @@ def _at_present(found: Diagram, present: float) -> str:
     at = f"At {parameter_name(inputs)} = {nearest:.6g}, nearest to the chosen value,"
     if len(points) < 2:
         return ""
-    if found.is_doubtful(float(nearest)):
-        return f"{at} or next to it, a run is in doubt (see the warning): of a period nothing is said."
+    if len(doubt := found.doubtful_beside(float(nearest))):
+        values = listed([f"{value:.6g}" for value in doubt])
+        return f"{at} no period is stated: the nearest runs examined, at {values}, are in doubt."
     turn = TURN if inputs.column in angles(inputs.problem.declaration) else math.inf
     if (period := period_of(points, height, turn, found.round_off)) == 1:
         return f"{at} all points are the same: {points[-1]:.6g}."

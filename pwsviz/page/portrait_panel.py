@@ -32,6 +32,7 @@ from pwsviz.scene.checks import Start
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
+from pwsviz.text.advice import without_advice
 from pwsviz.text.words import as_text, complaint, failure
 from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.disclosure import Disclosure
@@ -254,7 +255,7 @@ class PortraitPanel(pn.viewable.Viewer):
         if self.shown is None:
             return ""
         pairs = zip(self.shown.summaries, self._warnings_of(self.shown), strict=False)
-        return " ".join(f"{one.method}: {words}" for one, words in pairs if words)
+        return " ".join(f"{one.method}: {without_advice(words)}" for one, words in pairs if words)
 
     def _mark_starts(self) -> None:
         """Draw the present curves, with the starts of the scene."""

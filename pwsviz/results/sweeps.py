@@ -98,10 +98,11 @@ class Diagram:
         points = (np.abs(part.y).max(initial=0.0) for part in self.portions)
         return ROUND_OFF * float(max([*map(abs, self.inputs.problem.x0), *points]))
 
-    def is_doubtful(self, value: float) -> bool:
-        """Whether something is said against the run of the next value examined, on either side."""
+    def doubtful_beside(self, value: float) -> Floats:
+        """Return those of the values examined next to one, on either side, against whose runs something is said."""
         after = int(np.searchsorted(self.examined, value))
-        return bool(np.isin(self.examined[max(after - 1, 0) : after + 1], self.warned).any())
+        beside = self.examined[max(after - 1, 0) : after + 1]
+        return beside[np.isin(beside, self.warned)]
 
     def points_at(self, value: float) -> Floats:
         """Return (n,) the coordinate at the points of one of the values, in the order of time."""

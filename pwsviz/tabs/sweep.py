@@ -14,7 +14,14 @@ from pwsviz.export.files import Tables
 from pwsviz.export.script import sweep_program
 from pwsviz.export.tables import sweep_tables
 from pwsviz.figures.sweep import SweepView
-from pwsviz.figures.sweep_text import parameter_name, sweep_details, sweep_how, sweep_numbers, sweep_text
+from pwsviz.figures.sweep_text import (
+    examined_words,
+    parameter_name,
+    sweep_details,
+    sweep_how,
+    sweep_numbers,
+    sweep_text,
+)
 from pwsviz.geometry.window import Window
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import Diagram
@@ -23,6 +30,7 @@ from pwsviz.scene.sweeping import swept_parameter, swept_range
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tabs.sweep_controls import SweepControls
 from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.advice import without_advice
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import complaint
 from pwsviz.widgets.panes import PLAIN_SX
@@ -82,6 +90,10 @@ class SweepTab(LongTab):
     def warnings(self, outcome: Diagram) -> Sequence[str]:
         """Return what is said against the step size."""
         return [outcome.warning] if outcome.warning else []
+
+    def meaning(self, outcome: Diagram) -> str:
+        """Return which runs are in doubt, for captions."""
+        return f"{examined_words(outcome)} {without_advice(outcome.warning)}".strip() if outcome.warning else ""
 
     def pictures(self) -> list[figure]:
         """Return the diagram, if there is one, painted finely enough for print."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 from pwsviz.text.math_names import variable_name
 
-__all__ = ["on_page"]
+__all__ = ["on_page", "without_advice"]
 
 
 def _state(found: re.Match[str]) -> str:
@@ -49,6 +49,20 @@ _SAID: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
 
 #: What follows the name of a variable in a message.
 _FOLLOWED = r"(?= = |' | after a reset | is about |: write the system )"
+
+
+#: What a message advises, which has no place under a printed figure.
+_ADVICE = (
+    r" If it touches it, no step size helps: change the initial condition or a parameter; if not, take [^.;]*",
+    r"[;,] (?:take|give) [^.;]*(?:\.\d[^.;]*)*",
+)
+
+
+def without_advice(message: str) -> str:
+    """Return a warning without what it advises, for captions."""
+    for pattern in _ADVICE:
+        message = re.sub(pattern, "", message)
+    return message
 
 
 def on_page(message: str, variables: Iterable[str] = ()) -> str:

@@ -127,3 +127,21 @@ def test_the_unit_of_one_variable_makes_no_difference(unit, seed):
     assert run.conserved_error().shape[1] == 1, "the energy is found, and kept"
     # Some fifty steps, each off by the tolerance of 1e-12 and more.
     assert np.abs(run.x[-1] / [1.0, unit] - half_circles(a, b, v, 20.0)).max() <= 1e-9
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("unit", [1.0, 1e6])
+@pytest.mark.parametrize("tilt", [0.3, 1e-3])
+def test_keeping_psi_costs_no_accuracy_where_its_gradients_are_nearly_parallel(unit, tilt, tolerance):
+    """A rigid body that turns almost about an axis: small errors of ψ are not made large ones of the small rates."""
+    field = ("y*z/s**2", "-2*x*z", "x*y")
+    psi = ("x**2 + (y**2 + z**2)/s**2", "x**2 - z**2/s**2")
+    ends = []
+    for kept, accuracy in ((psi, tolerance), ((), tolerance), ((), 1e-14)):
+        system = core.PiecewiseSystem(
+            "Body", ("x", "y", "z"), field, field, "x - 5", kept, kept, {"s": unit},
+            x0=(1.0, tilt * unit, -0.7 * tilt * unit))  # fmt: skip
+        run = core.integrate(system, (0.0, 8.0), method="taylor", tolerance=accuracy)
+        ends.append(run.x[-1] / [1.0, unit, unit])
+    with_psi, without, exact = ends
+    assert np.abs(with_psi - exact).max() <= 10.0 * np.abs(without - exact).max() + 1e-14

@@ -96,7 +96,7 @@ def test_a_run_that_reaches_the_end_by_too_long_steps_is_warned_of_below_the_por
     explorer.settle(20)
     words = explorer.portrait_panel.status.object
     assert "is too long for this field" in words, "the run is the same"
-    assert "There is a warning of start 2: select it to read it." in words
+    assert "There is a warning for start 2: select it to read it." in words
     explorer.scene.tau = 0.01
     explorer.settle(20)
     assert "too long" not in explorer.portrait_panel.status.object

