@@ -149,10 +149,8 @@ def test_a_variable_has_one_name_in_all_of_a_caption():
 def test_a_caption_tells_integrators_as_they_are_declared_and_whose_the_tolerance_is():
     told = caption(Scene(methods=["taylor"]), "State")
     chosen = "taylor (Taylor series, order and step size chosen from a tolerance"
-    assert (
-        f"by {chosen}, projected onto the level set of ψ) with tolerance 10⁻¹², in steps of at most τ for t ≤ 20."
-        in told
-    )
+    longest = "with tolerance 10⁻¹², in steps of at most τ = 0.01 for t ≤ 20."
+    assert f"by {chosen}, projected onto the level set of ψ) {longest}" in told
     assert caption(scene_of(core.CATALOGUE["chua"]), "State", how="runs of taylor").endswith(f"{chosen})."), "no ψ"
     told = caption(Scene(methods=["dmm4", "taylor"]), "State")
     composed = "dmm4 (composition of five steps of dmm2 (Suzuki), order 4)"
