@@ -14,6 +14,8 @@ import core
 
 #: Positions of the zeros beside the first one, in units of their distance.
 CLUSTERS = {"three": (0.0, 1.0, 2.0), "uneven": (0.0, 1.0, 1.3), "five": (0.0, 1.0, 2.0, 3.0, 4.0)}
+#: Clusters after which a function has its sign again.
+EVEN = {"four": (0.0, 1.0, 2.0, 3.0), "touch and two": (0.0, 0.0, 1.0, 2.0)}
 
 
 def product(cluster: tuple[float, ...]) -> str:
@@ -58,7 +60,7 @@ def test_taylor_steps_meet_each_of_several_sheets_of_a_surface(draws, cluster):
             assert np.abs(run.x[-1] - [math.sin(angle), math.cos(angle)]).max() <= 1e-7, (a, d, speed)
 
 
-@pytest.mark.parametrize("cluster", CLUSTERS.values(), ids=CLUSTERS)
+@pytest.mark.parametrize("cluster", (CLUSTERS | EVEN).values(), ids=CLUSTERS | EVEN)
 @pytest.mark.parametrize("method", ["rk4", "dmm4", "prk8", "taylor"])
 def test_events_that_are_close_together_are_all_found_or_it_is_told(draws, method, cluster):
     told = 0
@@ -68,7 +70,8 @@ def test_events_that_are_close_together_are_all_found_or_it_is_told(draws, metho
         field, psi = ("y", "-x"), ("x**2 + y**2",)
         system = core.PiecewiseSystem(
             "Circle", ("x", "y"), field, field, "y - 50", psi, psi, {"a": a, "d": d}, x0=(0.0, 1.0))  # fmt: skip
-        times = passes(a, d, cluster, 12.6)
+        simple = tuple(c for c in cluster if cluster.count(c) == 1)
+        times = passes(a, d, simple, 12.6)
         end = float(rng.uniform(9.0, 12.0))
         if min(abs(end - t) for t in times) < 0.1:  # the phase of a coarse run is off by less
             continue
