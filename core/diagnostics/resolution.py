@@ -7,12 +7,13 @@ from itertools import chain, islice
 import numpy as np
 from numpy.typing import NDArray
 
+from core.diagnostics.close_zeros import zeros_too_close
 from core.diagnostics.departures import APART, departures, too_long_for_the_field
 from core.diagnostics.doubtful_steps import doubtful_steps, pushed_steps
 from core.diagnostics.examined_steps import NEAR, Steps
 from core.diagnostics.lost_order import too_long_for_the_order
 from core.diagnostics.missed_crossings import hides, too_long_for_g
-from core.diagnostics.missed_events import too_long_for_events, zeros_too_close
+from core.diagnostics.missed_events import too_long_for_events
 from core.diagnostics.unlike_steps import stretches, unlike_steps
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DELAY, G_END, GUARDS, HEIGHT, KEPT, LEAVING, ORDER, PER_UNIT, PROJECT, RATE, G, call
+from core.kernels.abi import DELAY, G_END, GUARDS, HEIGHT, KEPT, PROJECT, G, call
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
@@ -38,6 +38,7 @@ from core.transition.event_location import (
     try_step,
     write_end,
 )
+from core.transition.flat_roots import cut_where_flat, go_nearer, is_flat
 from core.transition.passes import keep_turns
 from core.transition.plain_steps import end_of_guard, look_at, update_other_guards
 from core.transition.records import NO_JUMP
@@ -50,14 +51,6 @@ __all__ = ["RUNNING", "advance", "end_at_once"]
 RUNNING = int(Status.RUNNING)
 _NO_CONVERGENCE, _ESCAPED, _CONTRADICTION = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.CONTRADICTION)
 _ZENO = int(Status.ZENO)
-#: A height is flat at a root if at its rate there it would change in the whole step by less than this part of its size.
-_FLAT = 2.0**-10
-#: The same at the root where a step begins: near it the series is exact, but for rounding of the whole step.
-_HIDDEN = 2.0**-36
-#: Part of the way to a flat root that is taken as a step, from whose end the height is expanded anew …
-_NEARER = 0.875
-#: … unless that way is this part of the longest step: rounding then hides whether there are several roots.
-_NEAREST = 2.0**-30
 #: Most modes in a row that end where they are entered.
 _LONGEST_CHAIN = 16
 
@@ -189,57 +182,6 @@ def end_step(context, log, t, h):
             contradicted = contradicted or contradicts(context, h)
             look_at(run, w, 0)
     return _CONTRADICTION if contradicted else RUNNING
-
-
-@internal
-def is_flat(context):
-    """Whether the height is flat at the root found by its series, which may hide further roots before that one.
-
-    Between three roots that are close together the height is far below its size in the rest of the step, and so is its
-    rate at each; the error of the series, relative to that size, then hides the first two.
-    """
-    run = context.run
-    if run.tried != run.hit:
-        try_step(context, run.t + run.t_carry, run.hit)
-    flat = abs(rate_at_end(context) * run.hit) < _FLAT * size_of_height(context, run.guard, run.hit)
-    return flat and abs(run.hit) > _NEAREST * run.longest
-
-
-@inlined
-def size_of_height(context, guard, h):
-    """Bound on how much the height of a guard changes in a step of length h, by its series."""
-    row, part, size = context.scratch[context.x.size + guard], abs(h) * context.w[PER_UNIT], 0.0
-    for k in range(int(context.w[ORDER]), 0, -1):
-        size = (size + abs(row[k])) * part
-    return size
-
-
-@inlined
-def cut_where_flat(context, h):
-    """Shorten a step that begins at a flat root of a height, which may hide further roots soon after it.
-
-    A rate so small that it may be rounding tells of no other root, but of a fold, as where sliding ends.
-    """
-    run, w = context.run, context.w
-    for k in range(run.guards):
-        kept = GUARDS + KEPT * k
-        leaving, rate = (run.leaving, run.rate) if k == run.guard else (w[kept + LEAVING], w[kept + RATE])
-        shorter = h
-        while leaving == 1 and abs(rate * shorter) < _HIDDEN * size_of_height(context, k, shorter):
-            shorter *= 0.5
-            if not abs(shorter) > _NEAREST * max(run.longest, abs(h)):
-                shorter = h
-                break
-        if shorter != h:
-            h, run.final = shorter, 0
-    return h
-
-
-@inlined
-def go_nearer(context):
-    """End the step before the root found, from where the height is expanded anew."""
-    context.run.final = 0
-    return NONE, _NEARER * context.run.hit
 
 
 @internal
