@@ -69,12 +69,12 @@ def coordinate_name(inputs: SweepInputs) -> str:
 
 
 def doubtful_words(found: Diagram) -> str:
-    """Return against how many of the runs that are examined something is said."""
+    """Return how many of the runs examined are in doubt."""
     return f"{len(found.warned):,} of {plural(len(found.examined), 'run')} examined"
 
 
 def examined_words(found: Diagram) -> str:
-    """Return which runs are examined, and what is said against the first in doubt; empty where none are."""
+    """Return which runs are examined, and which of them are in doubt; empty where none are examined."""
     if not len(found.examined):
         return ""
     which = "those in which rates change most, and others all over the range"

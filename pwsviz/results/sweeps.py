@@ -228,14 +228,11 @@ class _Runs:
         if self._cancel():
             raise Cancelled
         warned = [run.value for run, words in zip(runs, told, strict=True) if words]
-        first = next((words for words in told if words), "")
-        says = (
-            f"{short_name(self._parameter)} = {warned[0]:.6g}: {on_page(first, self._system.variables)}"
-            if first
-            else ""
-        )
-        values = np.unique([run.value for run in runs])
-        return replace(found, warning=says, examined=values, warned=np.unique(warned))
+        found = replace(found, examined=np.unique([run.value for run in runs]), warned=np.unique(warned))
+        if not warned:
+            return found
+        says = on_page(next(filter(None, told)), self._system.variables)
+        return replace(found, warning=f"{short_name(self._parameter)} = {warned[0]:.6g}: {says}")
 
     def _to_examine(self) -> list[_Run]:
         """The runs in which rates change most from step to step, and others all over the range if they are short."""

@@ -11,7 +11,7 @@ from pwsviz.results.results import Results
 from pwsviz.scene.names import LABELS
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import never
-from pwsviz.text.advice import on_page
+from pwsviz.text.advice import on_page, without_advice
 
 ENGLISH = {"system", "method", "parameters", "variables", "transition"}
 ARGUMENTS = {
@@ -72,3 +72,22 @@ def test_terms_that_cancel_are_named_by_their_symbols():
 def test_sizes_of_variables_are_told_by_their_symbols():
     said = "phi is about 2,000 times as large as y1: write the system in units in which all are of about one size"
     assert on_page(said, ["phi", "y1"]).startswith("φ is about 2,000 times as large as y₁: write the system in units")
+
+
+@pytest.mark.parametrize(
+    ("message", "kept"),
+    [
+        (
+            "The run passes the surface by less than its own error: the solution may meet, touch or miss it. If it "
+            "touches it, no step size helps: change the initial condition or a parameter; if not, take a smaller τ.",
+            "The run passes the surface by less than its own error: the solution may meet, touch or miss it.",
+        ),
+        ("τ exceeds the window: a second crossing cannot be excluded; take τ below 0.01.",
+         "τ exceeds the window: a second crossing cannot be excluded."),
+        ("The step is too long, so crossings may have been missed; take a smaller τ. Another sentence.",
+         "The step is too long, so crossings may have been missed. Another sentence."),
+        ("Nothing to do here.", "Nothing to do here."),
+    ],
+)  # fmt: skip
+def test_captions_leave_out_what_a_warning_advises(message, kept):
+    assert without_advice(message) == kept
