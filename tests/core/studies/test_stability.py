@@ -448,3 +448,17 @@ def test_where_psi_is_not_defined_this_is_the_reason_that_there_is_no_reference(
     study = core.stability_study(system, (0.0, 5.0), x0=(-1.0, 1.0), methods=("rk2",), parts=("largest_tau",))
     assert study.largest_tau is not None
     assert "ψ is not defined here" in study.largest_tau.reason[0]
+
+
+def test_a_solution_that_touches_the_surface_ends_there_and_no_continuation_counts_as_correct():
+    """It slides to a point at which the other field is tangent: the exact reference, in another way, ends there."""
+    system = core.CATALOGUE["elliptic_curve"].with_parameters(radius=1.5)
+    with pytest.raises(ValueError, match=r"ends at t = 0\.5696.*touches the surface"):
+        core.reference_solution(system, sliding="continue").state(1.0)
+    study = core.stability_study(
+        system, (0.0, 19.2), methods=("dmm2", "taylor"), taus=(1e-3, 1e-2), coordinate="x", values=(-1.0, 0.3),
+        sliding="continue")  # fmt: skip
+    assert study.map.expected.tolist() == [core.Status.GRAZING, core.Status.COMPLETED]
+    assert study.map.expected_crossings[1] == 14
+    assert not study.map.works[:, :, 0].any()
+    assert study.map.works[:, :, 1].all()
