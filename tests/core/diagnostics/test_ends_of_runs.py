@@ -61,3 +61,16 @@ def test_a_surface_leapt_over_long_before_a_touch_is_told():
     run = core.integrate(system, (0.0, 2.0), tau=0.1, method="rk8")
     assert len(run.crossings) > 2 or "crossings may have been missed" in run.warning, run.message
     assert math.isfinite(run.t[-1])
+
+
+@pytest.mark.parametrize("radius", [1.56, 1.57368])
+def test_an_orbit_that_passes_at_a_distance_is_not_said_to_touch_however_its_phase_errs(radius):
+    """Of y² − x³ − a·x = ψ, the farthest point of the closed branch is 0.01 or more in g from the circle."""
+    system = core.CATALOGUE["elliptic_curve"].with_parameters(radius=radius)
+    a, (x0, y0) = system.values["a_minus"], system.x0
+    x = np.linspace(-3.0, 0.0, 300_001)
+    square = y0**2 - x0**3 - a * x0 + x**3 + a * x
+    inside = (square >= 0.0) & (x > -2.0)
+    assert (x**2 + square)[inside].max() < radius**2 - 0.01
+    run = core.integrate(system, (0.0, 19.2), tau=0.08, method="dmm2", sliding="continue")
+    assert (len(run.crossings), run.warning) == (0, "")

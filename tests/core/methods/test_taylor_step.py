@@ -145,3 +145,15 @@ def test_keeping_psi_costs_no_accuracy_where_its_gradients_are_nearly_parallel(u
         ends.append(run.x[-1] / [1.0, unit, unit])
     with_psi, without, exact = ends
     assert np.abs(with_psi - exact).max() <= 10.0 * np.abs(without - exact).max() + 1e-14
+
+
+def test_five_sheets_of_one_surface_are_met_one_by_one_though_a_long_step_hides_them():
+    a, d, sheets = -0.0611, 3.18e-6, range(5)
+    surface = "*".join(f"(x - a - {k}*d)" for k in sheets)
+    system = core.PiecewiseSystem(
+        "Sheets", ("x", "y"), ("y", "-x"), ("c*y", "-c*x"), surface, parameters={"a": a, "d": d, "c": 7.6},
+        x0=(0.0, 1.0))  # fmt: skip
+    run = core.integrate(system, (0.0, 2.0), method="taylor")
+    # x = sin θ rises to 1 and falls: it comes to the sheets, which lie below 0, from above.
+    assert run.crossings.x[:, 0] == pytest.approx([a + k * d for k in reversed(sheets)], abs=1e-13)
+    assert not run.warning
