@@ -152,6 +152,8 @@ def _change(curve: ErrorCurve) -> str:
     if not len(error):
         return ""
     worst, size = float(error.max()), float(curve.psi_size[-1])
+    if curve.steps == 0 and curve.runs_off:
+        return f"{method} stops before its first step"
     until = f"up to t = {_end_of(curve, known):.4g}"
     stops = f" {until}, where the run stops" * curve.runs_off
     if worst == 0:

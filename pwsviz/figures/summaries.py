@@ -30,9 +30,11 @@ DOT = 10
 def run_line(summary: Summary, warned: bool = False) -> str:
     """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, max |Δψ| = 8.2e-16”.
 
-    If `warned`, they refer to the warning below, which a projector may not show.
+    If `warned`, or if the run ends early, they refer to the words below, which a projector may not show.
     """
     figures = f"{plural(summary.steps, 'step')}, {summary.course}"
+    if summary.status is not core.Status.COMPLETED:
+        figures += f", ends at t = {summary.t_end:.4g} (see below)"
     if summary.seconds >= TIMED:
         figures += f", {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):

@@ -11,10 +11,13 @@ KEY = "l"
 """Key that turns the lecture mode on and off, when no text is being typed."""
 
 LARGER = 1.5
-"""Factor of the size of all type outside figures, and of their lines and marks."""
+"""Factor of the size of all type outside figures, and of their lines and marks; less on a small screen."""
 
-LARGER_LABELS = 1.65
-"""Factor of the size of the type in figures, which is smaller than that outside."""
+SCREEN = (900, 500)
+"""Pixels of width and height from which on a screen has room for larger type: by 1 % for each 1 % more of both."""
+
+LABELS = 1.1
+"""Factor by which the type in figures, smaller than that outside, grows more."""
 
 REST = "calc(9.8rem + var(--header, 52px) - 52px)"
 """CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
@@ -46,11 +49,15 @@ export function render({ model }) {
   const usual = new Map()  // figure part -> its own sizes, and those that it has been given
   const fitted = new Set()  // panels of views
   let timer = null
+  let factor = 1, larger = null
   const { CustomJSTransform } = Bokeh.loader["models/transforms/customjs_transform"]
-  const larger = new CustomJSTransform({ func: "return LARGER * x", v_func: "return xs.map(x => LARGER * x)" })
+  const setFactor = () => {
+    factor = Math.min(LARGER, Math.max(1, Math.min(screen.width / WIDE, screen.height / HIGH)))
+    larger = new CustomJSTransform({ func: `return ${factor} * x`, v_func: `return xs.map(x => ${factor} * x)` })
+  }
   const enlarged = size => {
-    if (typeof size == "number") return size * LARGER
-    if (typeof size == "string") return size.replace(/[0-9.]+/, number => number * LABELS)
+    if (typeof size == "number") return size * factor
+    if (typeof size == "string") return size.replace(/[0-9.]+/, number => number * (factor > 1 ? factor * LABELS : 1))
     return typeof size.value == "string" ? { ...size, value: enlarged(size.value) } : { ...size, transform: larger }
   }
   const same = (one, other) => one === other || one?.value === other?.value && one?.field === other?.field
@@ -71,20 +78,21 @@ export function render({ model }) {
       part.setv(Object.fromEntries(reset.map(name => [name, given[name]])), { sync: false })
     }
   }
+  const isPanel = element => element.getAttribute("role") == "tabpanel" || element.classList.contains("portrait")
   const panel_of = element => {
-    while (element && element.getAttribute("role") != "tabpanel") {
-      element = element.parentElement ?? element.getRootNode().host
-    }
+    while (element && !isPanel(element)) { element = element.parentElement ?? element.getRootNode().host }
     return element
   }
-  // The controls above a figure, a long legend, and what is told below take its room: its conclusion is in sight.
+  // Controls above a figure, a long legend, and what is told below take its room: words of warning are in sight.
   const fit = () => {
     const found = new Map()
     for (const view of Bokeh.index.query(view => view.model.type == "Figure" && view.el.checkVisibility())) {
       const panel = panel_of(view.el)
       if (!panel) { continue }
       const { top, bottom } = view.el.getBoundingClientRect(), all = panel.getBoundingClientRect()
+      if (all.height == 0) { continue }  // a narrow screen has its parts in another order
       const longer = parseFloat(getComputedStyle(view.el).getPropertyValue("--legend")) || 0
+      if (view.layout?.bbox.height != view.bbox.height) { view.request_layout(true) }  // Bokeh overlooks it at times
       const { above = Infinity, below = Infinity } = found.get(panel) ?? {}
       found.set(panel, { above: Math.min(above, top - all.top + longer), below: Math.min(below, all.bottom - bottom) })
     }
@@ -98,7 +106,8 @@ export function render({ model }) {
     if (on == model.large) return
     if (document.getElementById("cover") != null) return setTimeout(turn, LOOK_AGAIN, on)  // when the page is built
     model.large = on
-    document.documentElement.style.fontSize = on ? `${100 * LARGER}%` : ""
+    setFactor()
+    document.documentElement.style.fontSize = on && factor > 1 ? `${100 * factor}%` : ""
     const styles = { "--rest": "REST", "--table": "0px", "--usual": "none", "--lecture": "flex" }
     if (!on) { document.documentElement.style.setProperty("--law", "") }
     for (const [name, value] of Object.entries(styles)) {
@@ -139,8 +148,10 @@ export function render({ model }) {
   })
 }
 """.replace("SPACE", SPACE)
-        .replace("LABELS", str(LARGER_LABELS))
+        .replace("LABELS", str(LABELS))
         .replace("LARGER", str(LARGER))
+        .replace("WIDE", str(SCREEN[0]))
+        .replace("HIGH", str(SCREEN[1]))
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
         .replace("TOLD", str(TOLD))
         .replace("LINES", str(LINES))
