@@ -83,7 +83,7 @@ class SweepView:
         assign(self.early, **_strips(found))
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
         assign(self.warned, x=found.warned if len(found.warned) else [np.nan])
-        self._doubt.visible = bool(found.warning)
+        self._doubt.visible = bool(found.warnings)
         self._doubt.label = value(f"in doubt: {doubtful_words(found)}")
 
     def mark(self, present: float, name: str) -> None:

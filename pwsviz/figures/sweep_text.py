@@ -211,13 +211,14 @@ def _where(inputs: SweepInputs) -> str:
 
 
 def surface_words(inputs: SweepInputs) -> str:
-    """Return the surface of the section, as “S at which g decreases”."""
+    """Return the surface of the section, as “S where g decreases”."""
     declared = inputs.problem.declaration
     if not inputs.of:
-        name, g = ("S", "g") if declared.two_sided else ("the surfaces gᵢ = 0", "gᵢ")
+        several = ("any of the surfaces gᵢ = 0", "gᵢ") if declared.surfaces else ("any of the surfaces", "its function")
+        name, g = ("S", "g") if declared.two_sided else several
     else:
         name, g = f"the surface {readable(inputs.of, declared)} = 0", "the function"
-    return name + {0: "", 1: f" at which {g} increases", -1: f" at which {g} decreases"}[inputs.direction]
+    return name + {0: "", 1: f" where {g} increases", -1: f" where {g} decreases"}[inputs.direction]
 
 
 def sweep_how(inputs: SweepInputs) -> str:

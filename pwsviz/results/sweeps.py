@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
@@ -52,6 +53,8 @@ STEPS_OF_EACH = 50_000
 PORTION = 0.5
 """Seconds that a portion should take, after which it is drawn."""
 
+_NUMBER = re.compile(r"-?\d[\d.,]*(e[+-]?\d+)?")
+
 
 @dataclass(frozen=True)
 class Diagram:
@@ -70,8 +73,8 @@ class Diagram:
     Of an angle, full turns are left out."""
     refusal: str = ""
     """Why the first of the values at which no run can begin has none."""
-    warning: str = ""
-    """What is said against the first of the runs in doubt, once all are done."""
+    warnings: tuple[str, ...] = ()
+    """What is said against the runs in doubt, once all are done: of those that differ in numbers alone, the first."""
     examined: Floats = field(default_factory=lambda: np.empty(0))
     """Values whose runs are examined for that, in increasing order."""
     warned: Floats = field(default_factory=lambda: np.empty(0))
@@ -229,10 +232,11 @@ class _Runs:
             raise Cancelled
         warned = [run.value for run, words in zip(runs, told, strict=True) if words]
         found = replace(found, examined=np.unique([run.value for run in runs]), warned=np.unique(warned))
-        if not warned:
-            return found
-        says = on_page(next(filter(None, told)), self._system.variables)
-        return replace(found, warning=f"{short_name(self._parameter)} = {warned[0]:.6g}: {says}")
+        kinds: dict[str, str] = {}  # by the words without their numbers
+        for value, words in zip(warned, filter(None, told), strict=True):
+            says = f"{short_name(self._parameter)} = {value:.6g}: {on_page(words, self._system.variables)}"
+            kinds.setdefault(_NUMBER.sub("", words), says)
+        return replace(found, warnings=tuple(kinds.values()))
 
     def _to_examine(self) -> list[_Run]:
         """The runs in which rates change most from step to step, and others all over the range if they are short."""

@@ -89,11 +89,11 @@ class SweepTab(LongTab):
 
     def warnings(self, outcome: Diagram) -> Sequence[str]:
         """Return what is said against the step size."""
-        return [outcome.warning] if outcome.warning else []
+        return outcome.warnings
 
     def meaning(self, outcome: Diagram) -> str:
         """Return which runs are in doubt, for captions."""
-        return f"{examined_words(outcome)} {without_advice(outcome.warning)}".strip() if outcome.warning else ""
+        return " ".join([examined_words(outcome), *map(without_advice, outcome.warnings)] * bool(outcome.warnings))
 
     def pictures(self) -> list[figure]:
         """Return the diagram, if there is one, painted finely enough for print."""

@@ -27,7 +27,7 @@ def whole(page, pattern):
 def test_a_click_sets_the_parameter_and_the_portrait_follows(visit, look):
     page = visit(query=CHUA, **look)
     seen = whole(
-        page, r"12,000 points: y on the surfaces gᵢ = 0 at which gᵢ increases for 120 values of α from 8 to 9\.2"
+        page, r"12,000 points: y on any of the surfaces gᵢ = 0 where gᵢ increases for 120 values of α from 8 to 9\.2"
     )
     assert "12,000 points" in seen["words"], "told to screen readers"
     drawing = canvas(page, "Bifurcation")

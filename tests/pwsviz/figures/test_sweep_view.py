@@ -65,7 +65,7 @@ EXAMINED = np.array([-1.0, 2.0])
 
 def test_the_values_that_a_warning_is_about_are_marked():
     view = SweepView(print, print)
-    view.show(replace(MIXED, warning="a₋ = −1: the step is too long.", examined=EXAMINED, warned=EXAMINED[:1]))
+    view.show(replace(MIXED, warnings=("a₋ = −1: the step is too long.",), examined=EXAMINED, warned=EXAMINED[:1]))
     assert view.warned.data["x"] == [-1.0]
     assert (view._doubt.visible, view._doubt.label.value) == (True, "in doubt: 1 of 2 runs examined")
     view.show(MIXED)
@@ -164,7 +164,7 @@ def test_how_names_all_that_repeats_the_diagram():
     inputs = SweepInputs.of_scene(
         Scene(sweep_of="x - 1", sweep_direction=-1, sweep_continuation="up", methods=["taylor"], study_method="taylor")
     )
-    assert surface_words(inputs) == "the surface x − 1 = 0 at which the function decreases"
+    assert surface_words(inputs) == "the surface x − 1 = 0 where the function decreases"
     how = sweep_how(inputs)
     for words in (
         "y where the runs meet the surface", "400 values of r from 0.1 to 4",
@@ -176,8 +176,8 @@ def test_how_names_all_that_repeats_the_diagram():
     assert "where the runs meet S, and where sliding begins on it, for" in told
     assert "at most the next 100 (t ≤ 2,000)" in told
     chua = {"system": "chua", "methods": ["taylor"]}
-    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "the surfaces gᵢ = 0 at which gᵢ increases"
-    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "the surfaces gᵢ = 0"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "any of the surfaces gᵢ = 0 where gᵢ increases"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "any of the surfaces gᵢ = 0"
 
 
 def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it():

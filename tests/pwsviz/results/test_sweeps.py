@@ -196,7 +196,7 @@ def test_steps_that_are_too_long_are_told_with_the_value_of_the_parameter(contin
             tau=tau, sweep_range=(0.5, 1.3), sweep_values=12, sweep_continuation=continuation, sweep_end=100.0
         )
         found = diagram(scene)
-        warning = found.warning
+        warning = " ".join(found.warnings)
         assert (len(found.warned) > 0) is bool(warning) is told
         assert np.isin(found.warned, found.examined).all()
         assert np.isin(found.examined, found.values).all()
