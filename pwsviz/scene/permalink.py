@@ -200,8 +200,11 @@ class _Reader:
         # Each complaint with either its remedy in words, or a setting whose final value is the remedy.
         self._wrong: list[tuple[str, str]] = []
         self._given = self._split(text)
+        named = "methods" in self._given
         for key in _FIRST:
             self._take_setting(key)
+        if named and not set(self.scene.methods) & set(self.scene.offered):
+            self._complain_of_methods()
         if self.scene.system == OWN:  # a link of a system of one's own names them, unless it is old: they were these
             self.scene.param.update(tau=STEP_SIZE, t_end=END_TIME)
         self._take_parameters()
@@ -251,6 +254,12 @@ class _Reader:
             wrong = f"The link is of version “{shown(version)}”, which this page does not know."
             self._complain(wrong, f"It is read as version {VERSION}.")
         return given
+
+    def _complain_of_methods(self) -> None:
+        """Say that none of the integrators of the link can be used with its system."""
+        names, system = ", ".join(self.scene.methods), shown(self.scene.declaration.name)
+        wrong = f"“{LABELS['methods']}” in the link: {names} cannot be used with {system}."
+        self._complain(wrong, f"Used instead: {', '.join(self.scene.used)}.")
 
     def _take_setting(self, key: str) -> None:
         if key in _LISTS:

@@ -438,3 +438,10 @@ def test_no_text_whatever_makes_reading_fail(text):
     scene = Scene()
     scene.restore(found)
     assert bits(read(query(scene))) == bits((scene.settings(), []))
+
+
+def test_integrators_that_the_system_of_a_link_cannot_use_are_told():
+    told = read("v=2&methods=dmm2&system=thermostat")[1]
+    assert told == ["“Integrators” in the link: dmm2 cannot be used with Thermostat. Used instead: rk2."]
+    assert read("v=2&methods=dmm2,rk4&system=thermostat")[1] == []  # rk4 is shown; dmm2 returns with another system
+    assert read("v=2&system=thermostat")[1] == []  # these are not of the link
