@@ -229,13 +229,19 @@ const finish = async views => {
 const described = wish => wish.captions.full.replace("\n", " ")
 
 const amount = words => Number(/[0-9]+/.exec(words)[0])  // such as that of “175 mm”
+const checked_width = (words, [least, most]) => {
+  const given = Number(/^\s*([0-9]+([.][0-9]+)?)\s*(mm)?\s*$/.exec(words)?.[1])
+  if (given >= least && given <= most) return given
+  throw Object.assign(new Error(`its width, “${words}”, is not a number from ${least} to ${most}, in mm`), { told: true })
+}
 
 // Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, captions ("short" and "full", which is always
-// in the metadata of SVG and PDF), shades (the opacity in print of each colour), and the choices as they are offered. Returns what is to be said of it; empty if that is nothing.
+// in the metadata of SVG and PDF), shades (the opacity in print of each colour), widths (the least and the greatest in mm), and the choices as they are offered. Returns what is to be said of it; empty if that is nothing.
 export const save = async (ids, chosen) => {
   const views = ids.map(id => Bokeh.index.find_one_by_id(id)).filter(view => view != null)
   if (views.length == 0) throw new Error("the figure is no longer on the page")
-  const [millimetres, tallest, points, dpi] = [chosen.width, chosen.height, chosen.points, chosen.dpi].map(amount)
+  const millimetres = checked_width(chosen.width, chosen.widths)
+  const [tallest, points, dpi] = [chosen.height, chosen.points, chosen.dpi].map(amount)
   const wish = { ...chosen, millimetres, tallest, points, dpi, printed: chosen.look == "for print" }
   await finish(views)
   const made = await composed(views, wish)

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from bokeh.plotting import figure
 
-__all__ = ["CHOICES", "KINDS", "PictureFiles", "picture_callback", "pixels"]
+__all__ = ["CHOICES", "KINDS", "OTHER", "WIDTHS", "PictureFiles", "picture_callback", "pixels"]
 
 KINDS = ("svg", "pdf", "png")
 """Formats; the first two are vectors."""
 
+OTHER = "other"
+"""The width that is typed."""
+
+WIDTHS = (30, 500)
+"""Least and greatest width in mm that may be."""
+
 CHOICES: Mapping[str, tuple[str, tuple[str, ...], int]] = {
-    "width": ("Width", ("85 mm", "175 mm", "250 mm"), 1),  # of a column, a page, a slide
+    "width": ("Width", ("85 mm", "175 mm", "250 mm", OTHER), 1),  # of a column, a page, a slide
     "height": (
         "Height at most (long captions add to it)",
         ("80 mm", "120 mm", "160 mm", "200 mm"),
@@ -29,8 +36,9 @@ CHOICES: Mapping[str, tuple[str, tuple[str, ...], int]] = {
 
 
 def pixels(width: str, dpi: str) -> str:
-    """Return the width in pixels of a PNG, in words, for these two of `CHOICES`."""
-    return f"{round(int(width.split()[0]) / 25.4 * int(dpi.split()[0])):,} pixels wide"
+    """Return the width in pixels of a PNG, in words, for a width in mm and one of `CHOICES`; empty without a width."""
+    known = re.fullmatch(r"\s*(\d+(\.\d+)?)\s*(mm)?\s*", width)
+    return f"{round(float(known[1]) / 25.4 * int(dpi.split()[0])):,} pixels wide" if known else ""
 
 
 class PictureFiles:
@@ -56,13 +64,15 @@ _SAVE = """
 const files = new URL("components/MODULE/PictureFiles/_resources/files/", document.baseURI)
 const wished = { ...wish }
 for (const [name, choice] of Object.entries({ CHOICES })) wished[name] = choice.data.value
-wished.name = wish.name.replace(/\\.\\w+$/, ending => `-${parseInt(wished.width)}mm${ending}`)
+if (wished.width == "OTHER") wished.width = typed.data.value
+const words = { short: "-short", full: "-full" }[wished.caption] ?? ""
+wished.name = wish.name.replace(/\\.\\w+$/, ending => `-${parseFloat(wished.width)}mm${words}${ending}`)
 const tell = words => trouble.data.setv({ object: words }, { sync: false })  // or the server would repeat it, late
 tell("")
 import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished)).then(tell).catch(reason => {
   const why = String(reason?.message ?? reason).replace(/[<>&*_`]/g, " ")
-  const advice = "Is the page still connected? If so, try SVG, or another width."
-  tell(`${wished.name} could not be saved: ${why}. ${advice}`)
+  const advice = reason?.told ? "" : "Is the page still connected? If so, try SVG, or another width."
+  tell(`${wished.name} could not be saved: ${why}. ${advice}`.trim())
 })
 """
 
@@ -71,8 +81,9 @@ def picture_callback(plots: Sequence[figure]) -> str:
     """Return JavaScript that saves figures as one file, one below the other.
 
     It takes from its arguments ``wish``, a mapping with ``kind`` (of `KINDS`), ``name`` of the file, ``title``,
-    ``captions``, "short" and "full", and ``shades``, the opacity in print of each colour of ground; a widget for each
-    of `CHOICES`; and ``trouble``, a pane for the reason of a failure, of which the server does not learn.
+    ``captions``, "short" and "full", ``widths``, which are `WIDTHS`, and ``shades``, the opacity in print of each
+    colour of ground; a widget for each of `CHOICES`, and ``typed``, one for the width `OTHER`; and ``trouble``, a pane
+    for the reason of a failure, of which the server does not learn.
     """
-    code = _SAVE.replace("MODULE", __name__).replace("CHOICES", ", ".join(CHOICES))
+    code = _SAVE.replace("MODULE", __name__).replace("CHOICES", ", ".join(CHOICES)).replace("OTHER", OTHER)
     return code.replace("IDS", json.dumps([plot.id for plot in plots]))

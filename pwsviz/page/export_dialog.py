@@ -18,7 +18,7 @@ from pwsviz.export.about import about, release
 from pwsviz.export.caption import caption, short_caption
 from pwsviz.export.files import Table, Tables, csv_bytes, file_name, npz_bytes
 from pwsviz.export.latex import latex_file
-from pwsviz.export.pictures import CHOICES, KINDS, picture_callback, pixels
+from pwsviz.export.pictures import CHOICES, KINDS, OTHER, WIDTHS, picture_callback, pixels
 from pwsviz.export.script import snippet
 from pwsviz.figures.colours import PRINTED_OPACITY
 from pwsviz.scene.permalink import query
@@ -109,6 +109,10 @@ class ExportDialog(pn.viewable.Viewer):
         self.link = pmui.TextInput(label="Link to this scene", sizing_mode="stretch_width", margin=(10, 0, 4, 0))
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
         self._choices: dict[str, Any] = {}
+        least, most = WIDTHS
+        self._typed_width = pmui.TextInput(
+            label=f"{least} to {most} mm", value="130", width=130, size="small", margin=(4, 12, 4, 0), visible=False
+        )
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
         self.not_saved, self.not_written = _complaint(), _complaint()  # said by the browser, and by the server
         self.complaints = pn.Column(margin=0)
@@ -190,19 +194,26 @@ class ExportDialog(pn.viewable.Viewer):
             )
             for name, (title, options, usual) in CHOICES.items()
         }  # fmt: skip
-        width, dpi = self._choices["width"], self._choices["dpi"]
-        wide = pmui.Typography(pixels(width.value, dpi.value), margin=(8, 0), variant="body2")
-        for one in (width, dpi):
-            one.param.watch(lambda _: wide.param.update(object=pixels(width.value, dpi.value)), "value")
-        return pn.FlexBox(*self._choices.values(), wide, margin=0, sizing_mode="stretch_width")
+        width, dpi, typed = self._choices["width"], self._choices["dpi"], self._typed_width
+        wide = pmui.Typography(pixels(width.value, dpi.value), margin=(8, 12, 8, -4), variant="body2")
+
+        def tell(_: Any) -> None:
+            typed.visible = width.value == OTHER
+            wide.object = pixels(typed.value if typed.visible else width.value, dpi.value)
+
+        for one in (width, dpi, typed):
+            one.param.watch(tell, "value")
+        beside = {"width": [typed], "dpi": [wide]}
+        shown = (one for name, choice in self._choices.items() for one in (choice, *beside.get(name, [])))
+        return pn.FlexBox(*shown, margin=0, sizing_mode="stretch_width")
 
     def _picture(self, piece: Piece, kind: str) -> Any:
         """Return a button that saves figures as a picture, without the server."""
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
         captions = {"short": _short_caption(self.scene, piece), "full": _caption(self.scene, piece)}
         named = {"name": file_name(self.scene, piece.title, kind), "title": piece.title, "captions": captions}
-        wish = {"kind": kind, **named, "shades": PRINTED_OPACITY}
-        given = {"wish": wish, "trouble": self.not_saved, **self._choices}
+        wish = {"kind": kind, **named, "shades": PRINTED_OPACITY, "widths": WIDTHS}
+        given = {"wish": wish, "trouble": self.not_saved, "typed": self._typed_width, **self._choices}
         button.js_on_click(args=given, code=picture_callback(piece.figures))
         return button
 

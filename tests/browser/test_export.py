@@ -6,6 +6,7 @@ import re
 import zlib
 from itertools import combinations
 from math import ceil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -263,6 +264,25 @@ def test_a_picture_is_higher_where_its_caption_needs_more_and_the_page_says_so(v
     page.get_by_role("button", name="200 mm", exact=True).click()
     downloaded(page, page.get_by_role("button", name="SVG").first)
     page.get_by_text(re.compile("more than the height chosen")).wait_for(state="detached")
+
+
+def test_a_width_is_typed_where_none_of_those_offered_is_that_of_the_journal(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_role("button", name="other", exact=True).click()
+    field = page.get_by_label("30 to 500 mm")
+    field.fill("130.5")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="SVG").first.click()
+    assert 'width="130.5mm"' in Path(download.value.path()).read_text(encoding="utf-8")
+    assert download.value.suggested_filename.endswith("-130.5mm-short.svg")
+    page.get_by_text("1,541 pixels wide").wait_for()
+    for wrong in ("20", "wide"):
+        field.fill(wrong)
+        page.get_by_role("button", name="SVG").first.click()
+        page.get_by_text(f"its width, “{wrong}”, is not a number from 30 to 500, in mm.", exact=False).wait_for()
 
 
 PIXELS = """async svg => {

@@ -29,7 +29,7 @@ def test_the_code_of_a_button_names_its_figure_and_brings_no_library():
     plot = plain_figure("A line")
     code = picture_callback([plot])
     assert plot.id in code
-    assert len(code) < 1000
+    assert len(code) < 1500
 
 
 def test_every_choice_has_its_default_among_its_options():
