@@ -203,7 +203,7 @@ class ExportDialog(pn.viewable.Viewer):
 
         for one in (width, dpi, typed):
             one.param.watch(tell, "value")
-        beside = {"width": [typed], "dpi": [wide]}
+        beside: dict[str, list[Any]] = {"width": [typed], "dpi": [wide]}
         shown = (one for name, choice in self._choices.items() for one in (choice, *beside.get(name, [])))
         return pn.FlexBox(*shown, margin=0, sizing_mode="stretch_width")
 
