@@ -200,7 +200,7 @@ _FOUND = {
 for method, tau, reason in zip(study.methods, study.largest_tau.tau, study.largest_tau.reason):
     print(f"{method}: the largest step size that works is {tau:.3g}; beyond: {reason or 'none tried'}")
 for method, works in zip(study.methods, study.map.works):
-    print(f"{method}: {np.mean(works):.0%} of the runs of the map have the correct sequence of crossings")""",
+    print(f"{method}: {np.mean(works):.0%} of the runs of the map meet and end as the solution does")""",
     "drift": """\
 for method, error in zip(study.methods, study.drift.error):
     print(f"{method}: |change of psi| <= {np.fmax.reduce(error):.1e} in {study.drift.steps:,} steps")""",

@@ -12,6 +12,7 @@ GREEN = "#00885A"
 ORANGE = "#B26800"
 SKY = "#69769F"
 CALM = "#C3D0EE"  # of areas that recede: lighter than every other colour, in print too
+MILD = "#98C29E"  # of areas that recede, but not as far
 PURPLE = "#994F71"
 VIOLET = "#9006F0"
 OCHRE = "#837738"
@@ -30,7 +31,7 @@ RULE = "#7A7A7A"
 ON_DARK = {
     BLUE: "#2D81C7", VERMILION: "#D55E01", GREEN: "#19A87B", ORANGE: "#E9A005", SKY: "#65BEF3", PURPLE: "#E18DBC",
     VIOLET: "#BD31FF", OCHRE: "#BDA55D", BROWN: "#947947", BERRY: "#B7608F", AMBER: "#C98A10", LAKE: "#5DB3E6",
-    SAND: "#B5A88F", CALM: "#34507A", GREY: "#A8A8A8", PALE_GREY: "#CFCFCF", GROUND: "#121212",
+    SAND: "#B5A88F", CALM: "#34507A", MILD: "#4A7553", GREY: "#A8A8A8", PALE_GREY: "#CFCFCF", GROUND: "#121212",
 }  # fmt: skip
 """The same on dark ground, where the browser paints these in their place (see `widgets.browser`)."""
 

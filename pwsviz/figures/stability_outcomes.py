@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 
 from core import Status
 from core.studies import ENDINGS, NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, OutcomeMap
-from pwsviz.figures.colours import BLUE, BROWN, CALM, GREEN, GREY, OCHRE, PURPLE, VERMILION, VIOLET
+from pwsviz.figures.colours import BLUE, BROWN, CALM, GREEN, GREY, MILD, OCHRE, PURPLE, VERMILION, VIOLET
 
-__all__ = ["OUTCOMES", "UNJUDGED", "Outcome", "lasts", "outcomes_shown"]
+__all__ = ["LIKEWISE", "OUTCOMES", "UNJUDGED", "Outcome", "lasts", "outcomes_shown"]
 
 UNJUDGED = -1
 """Outcome of a run that nothing can be compared with, since the reference ends early; not one of `core.studies`."""
+
+
+LIKEWISE = -2
+"""Outcome of a run that ends before the end time, as the solution does, after the same crossings."""
 
 
 class Outcome(NamedTuple):
@@ -26,7 +30,8 @@ class Outcome(NamedTuple):
 
 
 OUTCOMES: Mapping[int, Outcome] = {
-    Status.COMPLETED: Outcome("correct sequence of crossings", CALM),  # and an end like that of the solution
+    Status.COMPLETED: Outcome("correct sequence of crossings", CALM),
+    LIKEWISE: Outcome("ends early, as the solution does", MILD),
     WRONG_CROSSINGS: Outcome("incorrect sequence of crossings", "#c47a14"),
     WENT_ON: Outcome("continues where the solution stops", OCHRE),
     Status.ESCAPED: Outcome("the numerical solution blows up", VERMILION),
@@ -51,10 +56,11 @@ OUTCOMES: Mapping[int, Outcome] = {
 def outcomes_shown(found: OutcomeMap, k: int) -> NDArray[np.int64]:
     """Return (m, n) keys of `OUTCOMES` for the runs of integrator k, and `NOT_YET` where a run is not computed.
 
-    A run that ends as the solution does has the correct sequence of crossings, however it ends.
+    A run that ends as the solution does has the correct sequence of crossings.
     """
     judged = np.isin(found.expected, (*ENDINGS, NO_START))
-    codes = np.where(found.works[k], Status.COMPLETED, found.outcome[k])
+    correct = np.where(found.expected == Status.COMPLETED, Status.COMPLETED, LIKEWISE)
+    codes = np.where(found.works[k], correct, found.outcome[k])
     return np.where(judged | (codes == NOT_YET), codes, UNJUDGED)
 
 

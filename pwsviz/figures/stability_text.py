@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sized
+import math
+from collections.abc import Callable, Sized
 
 import numpy as np
 
@@ -108,8 +109,8 @@ def _ends_early(study: core.StabilityStudy) -> str:
     until, words = f"before t = {study.t_span[1]:.4g}", ""
     if solution:
         how = "blows up" if {*solution} == {core.Status.ESCAPED} else f"ends ({_counted(solution)})"
-        met = "" if {*solution} & {core.Status.ZENO, core.Status.GRAZING} else ", after the same crossings,"
-        same = f"a run that does likewise{met} counts as correct"
+        met = "" if {*solution} & {core.Status.ZENO, core.Status.GRAZING} else " after the same crossings"
+        same = f"a run that does likewise{met} counts as successful, at whatever time it ends"
         words = f"{_how_many(solution, expected)} the solution itself {how} {until}; {same}. "
     if reference:
         early = f"the reference ends early ({_counted(reference)})"
@@ -193,8 +194,8 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
     rows = tuple(
         (
             name,
-            "≥ " * (not largest.reason[k]) + _size(largest.tau[k]),
-            _size(largest.beyond[k]),
+            "≥ " * (not largest.reason[k]) + _size(largest.tau[k], math.floor),
+            _size(largest.beyond[k], math.ceil),
             on_page(largest.reason[k]) or _all_work(float(largest.taus[-1])),
         )
         for k, name in enumerate(study.methods)
@@ -237,10 +238,13 @@ def _shares(study: core.StabilityStudy, found: OutcomeMap, method: str) -> Numbe
 
 
 def _bound(found: OutcomeMap, k: int, words: str) -> str:
-    """Return the largest |Δψ| among the runs with one outcome."""
+    """Return the largest |Δψ| among the runs with one outcome, and of how many it is known if not of all."""
     codes = outcomes_shown(found, k)
     there = np.isin(codes, [code for code, outcome in OUTCOMES.items() if outcome.words == words])
-    return _at_most(float(np.fmax.reduce(found.error[k][there], initial=np.nan)))
+    error = found.error[k][there]
+    known = int(np.isfinite(error).sum())
+    of = f" ({known:,} of {plural(len(error), 'run')})" * (0 < known < len(error))
+    return _at_most(float(np.fmax.reduce(error, initial=np.nan))) + of
 
 
 def _share(part: float) -> str:
@@ -251,11 +255,9 @@ def _share(part: float) -> str:
 def _drifts(study: core.StabilityStudy, drift: Drift) -> Numbers:
     """Return the worst error of each integrator in its long run, and how it ended."""
     rows = []
-    for name, error, status, message in zip(study.methods, drift.error, drift.status, drift.message, strict=True):
-        known = np.flatnonzero(np.isfinite(error))
-        until = f"{drift.t[known[-1]]:,.6g}" if len(known) else UNKNOWN
-        if message:  # between two of these times
-            until = "its end"
+    each = zip(study.methods, drift.error, drift.reached, drift.status, drift.message, strict=True)
+    for name, error, reached, status, message in each:
+        until = f"{reached:,.6g}" if np.isfinite(error).any() else UNKNOWN
         going = "under way" if status is core.Status.RUNNING else "reaches the end"
         rows.append((name, _at_most(float(np.fmax.reduce(error))), until, on_page(message) or going))
     return Numbers(("integrator", "|Δψ| at most", "up to t", "outcome"), tuple(rows))
@@ -275,8 +277,12 @@ def _misses(study: core.StabilityStudy, grazing: Grazing) -> Numbers:
     return Numbers(("integrator", wrong_number(grazing), "largest such δ", "|Δψ| at most"), tuple(rows))
 
 
-def _size(tau: float) -> str:
-    return f"{tau:.3g}" if np.isfinite(tau) else UNKNOWN
+def _size(tau: float, towards: Callable[[float], int]) -> str:
+    """Return a step size in three digits, rounded downwards or upwards."""
+    if not np.isfinite(tau):
+        return UNKNOWN
+    digit = 10.0 ** (math.floor(math.log10(tau)) - 2)
+    return f"{towards(float(f'{tau / digit:.9g}')) * digit:.3g}"
 
 
 def _at_most(error: float) -> str:

@@ -49,6 +49,8 @@ class Drift(Brief):
     """(n,) ends of the parts of the time, measured from the start."""
     error: Floats
     """(methods, n) largest |Δψ| in each part; nan where not computed, or beyond the end of a run."""
+    reached: Floats
+    """(methods,) time, measured from the start, that each run has reached."""
     status: tuple[Status, ...]
     """(methods,) how the run ended; RUNNING where it has not yet."""
     message: tuple[str, ...]
@@ -63,6 +65,7 @@ class Drift(Brief):
 class _Piece:
     """State of a run after a piece of it, and the errors in that piece."""
 
+    t: float
     x: tuple[float, ...]
     offset: Floats
     """(m,) change of ψ so far."""
@@ -84,11 +87,12 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
     parts = np.arange(1, _COLUMNS + 1) / _COLUMNS
     t = np.concatenate([a + (b - a) * parts for a, b in pairwise(edges)]) * plan.tau
     found = Drift(
-        plan.tau, plan.steps, t, np.full((n, len(t)), np.nan), (Status.RUNNING,) * n, ("",) * n, (0,) * n, np.zeros(n)
-    )
+        plan.tau, plan.steps, t, np.full((n, len(t)), np.nan), np.zeros(n), (Status.RUNNING,) * n, ("",) * n, (0,) * n,
+        np.zeros(n),
+    )  # fmt: skip
     laws = plan.system.laws
     count = laws.most_conserved_sliding if plan.sliding == "continue" else laws.most_conserved
-    at = [_Piece(plan.x0, np.zeros(count), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
+    at = [_Piece(plan.t_span[0], plan.x0, np.zeros(count), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
     for number, (start, end) in enumerate(pairwise(edges)):
         given_up = GivenUp()
         going = [k for k in range(n) if at[k].status is Status.COMPLETED]
@@ -97,7 +101,7 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
         for which, piece in as_completed(_piece, tasks, executor, cancel, given_up):
             at[going[which]] = piece
             last = end == plan.steps
-            found = _joined(found, going[which], number, piece, last)
+            found = _joined(found, going[which], number, piece, plan.t_span[0], last)
             yield found
 
 
@@ -107,9 +111,10 @@ def _edges(steps: int) -> list[int]:
     return [*decades, *range(_LONGEST, steps, _LONGEST), steps]
 
 
-def _joined(drift: Drift, k: int, number: int, piece: _Piece, last: bool) -> Drift:
+def _joined(drift: Drift, k: int, number: int, piece: _Piece, start: float, last: bool) -> Drift:
     """Return the drift with piece `number` of run k added."""
-    error, seconds = drift.error.copy(), drift.seconds.copy()
+    error, reached, seconds = drift.error.copy(), drift.reached.copy(), drift.seconds.copy()
+    reached[k] = piece.t - start
     error[k, number * _COLUMNS : (number + 1) * _COLUMNS] = piece.error
     seconds[k] += piece.seconds
     stopped = piece.status is not Status.COMPLETED
@@ -117,6 +122,7 @@ def _joined(drift: Drift, k: int, number: int, piece: _Piece, last: bool) -> Dri
     return replace(
         drift,
         error=error,
+        reached=reached,
         seconds=seconds,
         status=_with(drift.status, k, status),
         message=_with(drift.message, k, piece.message if stopped else ""),
@@ -143,7 +149,7 @@ def _piece(
     change[part.sliding] = np.nan  # while it slides, g takes the place of ψ
     end = np.where(np.isnan(change[-1]), offset, change[-1])
     error = _column_errors(part.t, span, change)
-    return _Piece(x, end, error, part.status, part.outcome, part.crossing_count, part.seconds)
+    return _Piece(float(part.t[-1]), x, end, error, part.status, part.outcome, part.crossing_count, part.seconds)
 
 
 def _column_errors(t: Floats, span: tuple[float, float], change: Floats) -> Floats:

@@ -13,7 +13,7 @@ from core.studies.stability import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS
 from pwsviz.figures.conserved import FLOOR
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import NO_VALUE
-from pwsviz.figures.stability_outcomes import OUTCOMES, UNJUDGED
+from pwsviz.figures.stability_outcomes import LIKEWISE, OUTCOMES, UNJUDGED
 from pwsviz.figures.stability_text import map_text, runs_drawn
 from pwsviz.scene.validation import value_of
 from pwsviz.text.numbers import printed
@@ -96,9 +96,10 @@ def test_cells_have_the_colour_and_the_words_of_their_outcome(study):
     row, column = np.nonzero(found.outcome[1] != NOT_YET)
     for n, (i, j) in enumerate(zip(row, column, strict=True)):
         good = found.works[1, i, j]
-        code = core.Status.COMPLETED if good else found.outcome[1, i, j]
+        whole = found.expected[j] == core.Status.COMPLETED
+        code = (core.Status.COMPLETED if whole else LIKEWISE) if good else found.outcome[1, i, j]
         assert data["colour"][n] == OUTCOMES[code].colour
-        assert (data["words"][n] == "correct sequence of crossings") == good
+        assert (data["words"][n] == "correct sequence of crossings") == (good and whole)
     assert len(set(data["colour"])) == len(set(data["words"])) > 1
 
 
@@ -108,7 +109,7 @@ def test_a_solution_that_runs_away_is_no_failure_of_the_run_that_does_too(study)
     assert len(gone)
     view.show(study, "map", "dmm2")
     assert found.outcome[0, 0, gone[0]] == core.Status.ESCAPED
-    assert view._made["map"].cells.data["words"][gone[0]] == "correct sequence of crossings"
+    assert view._made["map"].cells.data["words"][gone[0]] == "ends early, as the solution does"
 
 
 def lasting(found, k):
@@ -221,7 +222,7 @@ def test_the_cross_has_an_entry_in_the_legend_once_it_is_there(study):
 def test_every_outcome_has_words_and_different_words_differ_in_colour():
     never = (core.Status.RUNNING, core.Status.CANCELLED, core.Status.EVENT, core.Status.EVENT_LIMIT)
     codes = [s for s in core.Status if s not in never]  # a study asks for no events
-    assert {*codes, WRONG_CROSSINGS, WENT_ON, NO_START, UNJUDGED} == set(OUTCOMES)
+    assert {*codes, WRONG_CROSSINGS, WENT_ON, NO_START, UNJUDGED, LIKEWISE} == set(OUTCOMES)
     limits = (core.Status.STEP_LIMIT, core.Status.CROSSING_LIMIT)
     colours = [outcome.colour for code, outcome in OUTCOMES.items() if code not in limits[1:]]
     assert len(set(colours)) == len(colours)
@@ -232,7 +233,9 @@ def test_in_grey_the_correct_runs_are_lighter_than_all_that_fail():
         return sum(share * int(colour[k : k + 2], 16) for share, k in ((0.299, 1), (0.587, 3), (0.114, 5)))
 
     correct, unjudged = grey(OUTCOMES[core.Status.COMPLETED].colour), OUTCOMES[UNJUDGED]
-    assert all(correct - grey(one.colour) > 60 for one in OUTCOMES.values() if grey(one.colour) < correct)
+    fails = [one for code, one in OUTCOMES.items() if code not in (core.Status.COMPLETED, LIKEWISE, UNJUDGED)]
+    assert all(correct - grey(one.colour) > 60 for one in fails)
+    assert all(correct - 20 > grey(OUTCOMES[LIKEWISE].colour) > grey(one.colour) + 30 for one in fails)
     assert [one for one in OUTCOMES.values() if grey(one.colour) > correct] == [unjudged]
 
 
@@ -289,10 +292,15 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
     limits, shares = stability_numbers(study, "map", "rk2")
     largest = study.largest_tau
     for k, name in enumerate(METHODS):
-        assert limits.rows[k] == (name, f"{largest.tau[k]:.3g}", f"{largest.beyond[k]:.3g}", largest.reason[k])
+        _, works, fails, reason = limits.rows[k]
+        assert limits.rows[k][0] == name
+        assert largest.tau[k] * 0.99 < float(works) <= largest.tau[k]
+        assert largest.beyond[k] <= float(fails) < largest.beyond[k] * 1.01
+        assert reason == largest.reason[k]
     assert shares.caption == "Map of rk2, 30 runs"
     share = dict(row[:2] for row in shares.rows)["correct sequence of crossings"]
-    assert share == f"{study.map.works[1].mean():.0%}"
+    completed = study.map.expected == core.Status.COMPLETED
+    assert share == f"{(study.map.works[1] & completed).mean():.0%}"
     assert "Taylor method at tolerance 1e-15" in stability_text(study, "map")
 
 

@@ -8,7 +8,7 @@ from bokeh.models import ColumnDataSource, WheelZoomTool
 from bokeh.models.glyphs import Line, MultiLine, MultiPolygons, Scatter, Text
 
 import core
-from pwsviz.figures.colours import CALM, GROUND, OCCUPIED, ON_DARK, PRINTED_OPACITY, SHADES
+from pwsviz.figures.colours import CALM, GROUND, MILD, OCCUPIED, ON_DARK, PRINTED_OPACITY, SHADES
 from pwsviz.figures.cost import EXTERNAL_LINES
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.lines import line_of, together, widths_in_time
@@ -102,7 +102,11 @@ def grounds(page):
 
 
 CURVES = {line_of(name).colour for name in core.METHODS} | {line.colour for line in (*LINES, *EXTERNAL_LINES.values())}
-MARKS = {*KIND_COLOURS.values(), *(look.colour for look in ENDS.values()), *START_COLOURS, *ON_DARK} - {CALM, GROUND}
+MARKS = {*KIND_COLOURS.values(), *(look.colour for look in ENDS.values()), *START_COLOURS, *ON_DARK} - {
+    CALM,
+    MILD,
+    GROUND,
+}
 
 
 @pytest.mark.parametrize("page", PAGES)

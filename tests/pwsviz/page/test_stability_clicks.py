@@ -6,6 +6,7 @@ import pytest
 import core
 from core.studies import default_taus
 from pwsviz.export.script import stability_program
+from pwsviz.figures.stability_outcomes import LIKEWISE, OUTCOMES
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.results.results import Results
 from pwsviz.results.studies import LIMITS_OF_TAU
@@ -78,12 +79,19 @@ def test_the_program_repeats_the_map_that_is_drawn(tab):
 
 def test_the_program_counts_as_correct_what_the_page_does(capsys):
     tab = shown(values={"a_minus": -3.0, "a_plus": -2.0, "radius": 1.0})
-    shares = {row[0]: row[1] for row in tab.numbers(tab.outcome)[1].rows}
+    rows = tab.numbers(tab.outcome)[1].rows
     found = tab.outcome.map
     assert (found.works[0] & (found.outcome[0] != core.Status.COMPLETED)).any(), "some end as the solution does"
     lines = stability_program(tab.scene, tab.inputs(), found)
     exec(lines, {"core": core, "np": np, "system": tab.scene.build()})  # noqa: S102  (our own program)
-    assert f"{shares['correct sequence of crossings']} of the runs of the map" in capsys.readouterr().out
+    assert f"{found.works[0].mean():.0%} of the runs of the map" in capsys.readouterr().out
+    shares = [
+        int(row[1].removesuffix("%"))
+        for row in rows
+        if row[0] in (OUTCOMES[LIKEWISE].words, "correct sequence of crossings")
+    ]
+    assert len(shares) == 2
+    assert sum(shares) == pytest.approx(100 * found.works[0].mean(), abs=1.0)
 
 
 def test_a_click_leaves_the_map_as_it_is_and_computes_the_limits_of_its_start():
