@@ -171,7 +171,7 @@ class Ensemble:
         if self.status[member] == Status.CANCELLED:
             return ""
         runner = self.members.runner(member, max_steps=_MOST_MADE_AGAIN)
-        runner.advance(float(self.t[member]), keep_hits=False)
+        runner.advance(self.members.t_span[1], keep_hits=False)
         told = run_warning(trajectory_of(runner, "end", False, None, run_warning))
         runner.release()
         return told

@@ -26,7 +26,7 @@ from core.integration.members_loop import (
     compiled_members,
 )  # fmt: skip
 from core.integration.psi_change import compile_psi, largest_change, psi_arrays, size_of_psi
-from core.integration.run_settings import Settings
+from core.integration.run_settings import ALL, CrossingsOf, Settings
 from core.integration.runner import Runner
 from core.integration.time_loop import compiled_march
 from core.interface.tasks import GivenUp
@@ -35,11 +35,10 @@ from core.kernels.arrays import Floats
 from core.methods import Method
 from core.system import PiecewiseSystem
 from core.transition.records import HIT, NO_MODE, ROW, RUN
-from core.transition.status import CROSSING_KINDS, Status
+from core.transition.status import Status
 
 __all__ = ["Block", "Members", "Wanted", "integrate_members", "not_begun"]
 
-_CORNER = CROSSING_KINDS.index("corner")
 #: Crossings that one call of the time loop can record: few enough to stay in the processor's cache.
 _HITS = 64
 #: Steps likewise, where ψ is followed.
@@ -65,8 +64,6 @@ class Wanted(NamedTuple):
     def of(self, hits: NDArray[Any], first_mode: int, sides: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Return which of the crossings of a member these are.
 
-        A corner is a crossing of each surface of which it changes the side; the loop itself leaves those to `Runner`.
-
         Parameters
         ----------
         first_mode
@@ -74,15 +71,17 @@ class Wanted(NamedTuple):
         sides
             `Laws.sides`.
         """
-        which: NDArray[np.bool_] = (hits["rate_before"] * self.way >= 0.0) & (
-            (self.surface < 0) | (hits["surface"] == self.surface)
-        )
-        if 0 <= self.surface < sides.shape[1]:
-            before = np.concatenate([[first_mode], hits["mode"]])[:-1]
-            change = sides[hits["mode"], self.surface] - sides[before, self.surface]
-            which = np.where(hits["kind"] == _CORNER, (change != 0) & (change * self.way >= 0), which)
+        before = np.concatenate([[first_mode], hits["mode"]])[:-1]
+        which = CrossingsOf(self.surface, self.way).among(hits, before, sides)
         number = np.cumsum(which)
         return np.asarray(which & (number > self.discard) & (number - self.discard <= self.most))
+
+    @property
+    def limit(self) -> CrossingsOf:
+        """The crossings with the last of which a member ends."""
+        if self.events or self.most == Wanted().most:
+            return ALL
+        return CrossingsOf(self.surface, self.way, self.discard + self.most)
 
 
 @dataclass(frozen=True)
@@ -136,7 +135,7 @@ class Members:
         """Make a run of a member, by its number, which takes no more steps than all may, and than these."""
         settings = replace(
             self.settings, tau=float(self.tau[k]), shift=float(self.shift[k]), cancel=cancel,
-            max_steps=min(self.settings.max_steps, max_steps),
+            max_steps=min(self.settings.max_steps, max_steps), max_wanted=(self.wanted or Wanted()).limit,
         )  # fmt: skip
         return Runner(self.one(k), self.method, self.t_span[0], tuple(self.x[k].tolist()), settings)
 
@@ -268,18 +267,7 @@ class _Run:
     def _integrate_one(self, k: int) -> None:
         """Integrate the next member by a `Runner`."""
         members, wanted, met = self.members, self.members.wanted, 0
-
-        def which(hits: NDArray[Any]) -> NDArray[np.bool_]:
-            return (wanted or Wanted()).of(hits, runner.first_mode, members.system.laws.sides)
-
-        def stops() -> bool:
-            nonlocal met
-            if wanted is None or wanted.events:
-                return members.told()
-            met = int(which(runner.hits()[0]).sum())
-            return members.told() or met == wanted.most
-
-        runner = self.members.runner(k, stops)
+        runner = members.runner(k, members.told)
         keeps_hits = wanted is not None and not wanted.events
         status = runner.advance(members.t_span[1], record=self._follows, keep_hits=keeps_hits)
         if status is Status.CANCELLED and members.told():
@@ -287,10 +275,9 @@ class _Run:
         self._put_aside()
         if wanted is not None:
             hits, places = runner.log.kept() if wanted.events else runner.hits()
-            kept = which(hits)
+            kept = wanted.of(hits, runner.first_mode, members.system.laws.sides)
             self.aside.append((hits[kept], places[kept][:, self._columns]))
             met = int(kept.sum())
-            status = Status.CROSSING_LIMIT if met == wanted.most and not wanted.events else status
         counts = runner.steps, runner.evaluations, runner.crossing_count, met
         change = largest_change(runner) if self._follows else np.nan
         self.ends[k] = runner.t, status, runner.mode, *counts, runner.first_mode, change, runner.record["unlike"][0]

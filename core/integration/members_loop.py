@@ -21,6 +21,7 @@ from core.kernels.digest import source_digest
 from core.kernels.jit import OPTIONS, internal
 from core.transition.records import EVENT, GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
+from core.transition.switching import is_wanted
 
 __all__ = [
     "ABANDONED", "ASKS", "COUNTERS", "DONE", "END", "FAILED", "FAILURES", "NEXT", "ROOM", "USED", "WANTED",
@@ -67,7 +68,6 @@ NEXT, USED, OWN, HAD, FAILED = range(5)
 COUNTERS = 5
 
 _RUNNING, _STEP_LIMIT = int(Status.RUNNING), int(Status.STEP_LIMIT)
-_CROSSING_LIMIT = int(Status.CROSSING_LIMIT)
 _NO_CONVERGENCE, _ESCAPED, _CORNER = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.CORNER)
 _UNDECLARED = int(Status.UNDECLARED)
 _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
@@ -99,12 +99,6 @@ def begin(blank, frame, row, guard, tau, shift, x, records, w, head):
         w[i] = frame[i]
     for i in range(x.size):
         w[head + i] = x[i]
-
-
-@internal
-def is_wanted(hit, surface, way):
-    """Whether a crossing is of a surface (any: −1), and its switching function has the sign `way` then (any: 0)."""
-    return (surface < 0 or hit.surface == surface) and hit.rate_before * way >= 0.0
 
 
 @internal
@@ -166,8 +160,8 @@ def compiled_members() -> Callable[..., int]:
         that has not begun. first_rows (n,) are the rows of the members' first regions, `NO_MODE` where `Runner` has to
         find it, and first_guards (n,) the guards at which they begin; tau (n,) and shift (n,) are their step sizes and
         perturbations; p (n, parameters) and x (n, d) their parameters and states, and x_ends (n, d) their last states.
-        A member that has had all crossings that are wanted of it ends there: CROSSING_LIMIT; of events, as the time
-        loop ends it. Then come those of `psi_loop`, and whether the system has jumps. The
+        A member that has had all crossings, or events, that are wanted of it ends there, as the time loop ends it. Then
+        come those of `psi_loop`, and whether the system has jumps. The
         last are the numbers of the members of which a step has failed, with their records and frames then, and their
         last crossings: why, `Runner` has to find out.
     """
@@ -227,8 +221,6 @@ def compiled_members() -> Callable[..., int]:
                     begun = 1
                     if not follow_psi(psi, run.rows, rows, rows_x, kept[own:], kept_places[own:]):
                         return ASKS
-                if count - wanted[0].discard == wanted[0].most:
-                    status = _CROSSING_LIMIT
             if not is_settled(status, run, jumps):
                 return ASKS
             if run.pending == 1 and stops_at_surface(status) and counters[OWN] > 0 and wanted[0].events == 0:

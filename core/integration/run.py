@@ -38,6 +38,7 @@ _T, _T_CARRY, _T_END, _TAU, _LONGEST, _MODE, _FIRST_MODE, _ROW, _GUARD = (
 _STEPS, _EVALUATIONS, _CROSSINGS, _SAMPLES, _PASSES, _MAX_CROSSINGS, _MAX_EVENTS = (
     FIELDS[name] for name in ("steps", "evaluations", "crossings", "samples", "passes", "max_crossings", "max_events")
 )
+_WANTED_SURFACE, _WANTED_WAY, _MAX_WANTED = (FIELDS[name] for name in ("wanted_surface", "wanted_way", "max_wanted"))
 _LOOKS = itemgetter(*(FIELDS[name] for name in ("looks", "look_segment", "crossings", "changes", "doublings")))
 
 
@@ -88,6 +89,8 @@ class Run:
         self.record, self.reals, self.wholes = memory.record, memory.reals, memory.wholes
         memory.p[:], memory.x[:], self.reals[_T] = system.parameter_array, x0, t0
         self.wholes[_MAX_CROSSINGS], self.wholes[_MAX_EVENTS] = settings.max_crossings, settings.max_events
+        wanted = settings.max_wanted
+        self.wholes[_WANTED_SURFACE], self.wholes[_WANTED_WAY], self.wholes[_MAX_WANTED] = wanted
         self.log = log_of(settings.events, laws, method, memory.w)
         self.rows: list[Chunk] = []
         self.chunks: list[Chunk] = []

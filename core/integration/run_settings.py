@@ -5,11 +5,54 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from core.integration.events import NOTHING, Watched
+from core.transition.status import CROSSING_KINDS
 
-__all__ = ["Asked", "Settings"]
+__all__ = ["ALL", "Asked", "CrossingsOf", "Settings"]
+
+_CORNER = CROSSING_KINDS.index("corner")
+
+
+class CrossingsOf(NamedTuple):
+    """The first crossings of a surface."""
+
+    surface: int = -1
+    """Its number; −1: of all."""
+    way: int = 0
+    """1: those where its switching function rises, −1: where it falls, 0: both."""
+    most: int = 2**62
+    """How many."""
+
+    def among(self, hits: NDArray[Any], before: NDArray[np.int64] | int, sides: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return which crossings of a run are of that surface and way.
+
+        A corner is a crossing of each surface of which it changes the side.
+
+        Parameters
+        ----------
+        hits
+            (k,) of `records.HIT`.
+        before
+            Mode occupied before each of them.
+        sides
+            `Laws.sides`.
+        """
+        which: NDArray[np.bool_] = (hits["rate_before"] * self.way >= 0.0) & (
+            (self.surface < 0) | (hits["surface"] == self.surface)
+        )
+        if 0 <= self.surface < sides.shape[1]:
+            change = sides[hits["mode"], self.surface] - sides[before, self.surface]
+            which = np.where(hits["kind"] == _CORNER, (change != 0) & (change * self.way >= 0), which)
+        return np.asarray(which)
+
+
+ALL = CrossingsOf()
+"""All crossings."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +68,8 @@ class Settings:
     shift: float = 0.0
     """Perturbation c·τᵖ, added to every crossing time."""
     max_crossings: int = 5_000_000
+    max_wanted: CrossingsOf = ALL
+    """The run ends with the last of them, too."""
     max_steps: int = 10**9
     max_events: int = 1_000_000
     slides: bool = False

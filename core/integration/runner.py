@@ -45,11 +45,11 @@ _MOST_CORNERS = 16
 _STATUS = {int(status): status for status in Status}
 _RUNNING, _COMPLETED = Status.RUNNING, Status.COMPLETED
 #: Places of the fields of the record that are read or written for every run.
-_T, _T_END, _TAU, _SHIFT, _PENDING, _ASKED, _RECORD, _STEPS, _ROWS, _HITS, _FOUND, _CROWDED, _RETRACTED = (
+_T, _T_END, _TAU, _SHIFT, _PENDING, _ASKED, _RECORD, _STEPS, _ROWS, _HITS, _FOUND, _CROWDED, _RETRACTED, _WANTED = (
     FIELDS[name]
     for name in (
         "t", "t_end", "tau", "shift", "pending", "asked", "record", "steps", "rows", "hits", "found", "crowded",
-        "retracted",
+        "retracted", "wanted",
     )
 )  # fmt: skip
 
@@ -176,16 +176,23 @@ class Runner(Run):
             self.status = Status.SLIDING
         elif self._corners > _MOST_CORNERS:
             self.status = Status.ZENO
-        elif self.crossing_count >= self.settings.max_crossings:
-            self.status = Status.CROSSING_LIMIT
         else:
-            self.status = Status.RUNNING
             if self.crossing_count and self.chunks:
                 self.memory.x[:] = onto_surfaces(self.system, self.t, self.x, surfaces)
                 self.memory.carry[:] = 0.0
                 hits, places = self.chunks[-1]
                 hits["mode"][-1], places[-1, 1:] = mode, self.x  # the place met, and the state that goes on
+                sides = self.system.laws.sides
+                self.wholes[_WANTED] += int(self.settings.max_wanted.among(hits[-1:], self.mode, sides)[0])
             self._begin_in(mode, surfaces)
+            self.status = self._limited()
+
+    def _limited(self) -> Status:
+        """The status of a run that goes on unless it has had all crossings that it may."""
+        if self.crossing_count == 0:
+            return _RUNNING
+        most = self.crossing_count >= self.settings.max_crossings
+        return Status.CROSSING_LIMIT if most or self.wholes[_WANTED] >= self.settings.max_wanted.most else _RUNNING
 
     def _leave_after_jump(self, direction: float) -> None:
         """Go on from a surface along which the state moves after a jump, if the field curves to where it came from.
@@ -198,12 +205,11 @@ class Runner(Run):
             return
         if len(entered) > 1:
             self.status = Status.REPELLING
-        elif self.crossing_count >= self.settings.max_crossings:
-            self.status = Status.CROSSING_LIMIT
         else:
-            self.status, hit = Status.RUNNING, self.chunks[-1][0][-1:]
+            hit = self.chunks[-1][0][-1:]
             hit["mode"], hit["kind"] = self.mode, CROSSING_KINDS.index("jump")
             self._begin_in(self.mode, (self.system.laws.ways[self.mode][guard].surface,))
+            self.status = self._limited()
 
     def _surfaces_at_corner(self) -> tuple[int, ...]:
         """Numbers of the surfaces that meet where the run is."""

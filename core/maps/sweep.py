@@ -42,7 +42,7 @@ class Sweep:
     values: Floats
     """(v,) values, as given."""
     statuses: tuple[Status, ...]
-    """(v,) how the run of each ended: CROSSING_LIMIT, or EVENT_LIMIT, where it has all its points."""
+    """(v,) how the run of each ended: CROSSING_LIMIT, or EVENT_LIMIT, where it has all its points and could go on."""
     value: Floats
     """(c,) value of each point."""
     points: Floats

@@ -80,6 +80,10 @@ RUN = np.dtype(
         ("evaluations", np.int64),
         ("crossings", np.int64),
         ("max_crossings", np.int64),
+        ("wanted_surface", np.int64),  # number of the surface of which no more than max_wanted crossings are wanted, …
+        ("wanted_way", np.int64),  # … and the sign that the rate of its function has there: see `is_wanted`
+        ("wanted", np.int64),  # number of such crossings so far
+        ("max_wanted", np.int64),
         ("stride", np.int64),  # every stride-th step is sampled
         ("next_sample", np.int64),  # number of the next step to be sampled
         ("samples", np.int64),  # number of samples kept

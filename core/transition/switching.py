@@ -41,7 +41,7 @@ from core.transition.surface import (
     widen_envelope,
 )
 
-__all__ = ["switch_mode"]
+__all__ = ["is_wanted", "switch_mode"]
 
 _RUNNING, _SLIDING, _REPELLING = int(Status.RUNNING), int(Status.SLIDING), int(Status.REPELLING)
 _GRAZING, _ZENO, _UNSTABLE = int(Status.GRAZING), int(Status.ZENO), int(Status.UNSTABLE)
@@ -375,10 +375,18 @@ def leave_sliding(context, log, found):
 
 @inlined
 def record_crossing(run, hit, kind, mode, status):
-    """Record how a crossing ends, and count it."""
+    """Record how a crossing ends, and count it; whether a corner is wanted, `Runner` tells."""
     hit.kind, hit.mode, hit.length = kind, mode if status == _RUNNING else NO_MODE, run.hit
     run.hits += 1
     run.crossings += 1
+    if kind != _CORNER_KIND and is_wanted(hit, run.wanted_surface, run.wanted_way):
+        run.wanted += 1
+
+
+@internal
+def is_wanted(hit, surface, way):
+    """Whether a crossing is of a surface (any: −1), and its switching function has the sign `way` then (any: 0)."""
+    return (surface < 0 or hit.surface == surface) and hit.rate_before * way >= 0.0
 
 
 @inlined
@@ -387,4 +395,4 @@ def limit_crossings(context, surface):
     run = context.run
     if accumulates(run, context.w, surface):
         return _ZENO
-    return _CROSSING_LIMIT if run.crossings >= run.max_crossings else _RUNNING
+    return _CROSSING_LIMIT if run.crossings >= run.max_crossings or run.wanted >= run.max_wanted else _RUNNING

@@ -42,6 +42,34 @@ def test_the_own_surface_gives_the_crossings_of_integrate_that_go_its_way():
     assert (found.ensemble.status == Status.CROSSING_LIMIT).all()
 
 
+#: System, sliding, tau, number of points.
+ENDING = [
+    ("elliptic_curve", "stop", 0.02, 3), ("bouncing_ball", "stop", 0.01, 7), ("two_walls", "stop", 0.02, 4),
+    ("thermostat", "stop", 0.02, 5), ("gene_ring", "stop", 0.02, 9), ("stick_slip", "continue", 0.01, 4),
+    ("diode_bridge", "stop", 0.02, 6),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "sliding", "tau", "points"), ENDING)
+@pytest.mark.parametrize("method", ["rk4", "taylor"])
+@pytest.mark.parametrize("direction", [1, -1, 0])
+def test_a_member_ends_with_its_last_point(name, sliding, tau, points, method, direction):
+    """As a run of `integrate` that is told after how many crossings to end."""
+    tau = None if method == "taylor" else tau
+    common = {"method": method, "tau": tau, "sliding": sliding}
+    found = core.section(name, (0.0, 300.0), points=points, discard=2, direction=direction, **common)
+    end = found.ensemble
+    whole = bool(end.status[0] == Status.CROSSING_LIMIT)
+    limit = {"max_crossings": int(end.crossing_count[0])} if whole else {}
+    run = core.integrate(name, (0.0, 300.0), **limit, **common)
+    assert run.status is Status(int(end.status[0]))
+    assert whole is (len(found) == points)
+    assert not whole or end.t[0] == found.t[-1] < 300.0
+    assert (run.t[-1], run.steps) == (end.t[0], end.steps[0])
+    assert np.array_equal(run.x[-1], end.x[0])
+    assert end.warning(0) == run.warning
+
+
 def test_states_keep_their_invariants_through_surfaces_of_sections():
     start = core.CATALOGUE["henon_heiles"].x0
     found = core.section("henon_heiles", (0.0, 1e5), of="y", points=300, direction=1, coordinates=("x", "u"), tau=0.05)

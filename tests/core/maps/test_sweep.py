@@ -37,6 +37,25 @@ def test_a_continuation_stays_on_its_branch_which_depends_on_the_way():
     assert np.abs(down.points[down.value == -1.2]).max() < 1e-2
 
 
+@pytest.mark.parametrize("method", ["taylor", "rk4", "dmm2"])
+def test_a_continuation_goes_on_where_the_last_point_is_and_not_from_what_would_come_later(method):
+    """A ball at rest after ever lower bounces has no way on, and one on a spring without damping blows up."""
+    ball = core.PiecewiseSystem(
+        "ball", ("x", "v"), g="x", f_minus=("v", "-1"), f_plus=("v", "-1"), jump=("x", "-r*v"),
+        psi_minus=("v**2/2 + x",), psi_plus=("v**2/2 + x",), parameters={"r": 0.5}, x0=(1.0, 0.0),
+    )  # fmt: skip
+    values, how = [0.3, 0.4, 0.5, 0.6], {"method": method, "tau": None if method == "taylor" else 0.01}
+    found = core.sweep(ball, (0.0, 100.0), "r", values, "v", points=2, continuation="up", **how)
+    at, wanted = ball.x0, []
+    for r in values:
+        run = core.integrate(ball.with_parameters(r=r), (0.0, 100.0), at, max_crossings=2, **how)
+        at = run.x[-1]
+        wanted += run.crossings.x_after[:, 1].tolist()
+    assert found.points.tolist() == wanted
+    speeds = np.cumprod(np.repeat(values, 2)) * np.sqrt(2.0)  # each bounce keeps r of it
+    assert found.points == pytest.approx(speeds, rel=1e-9)
+
+
 #: A swing that meets a wall at x = p loses nothing: from x = 0.5 at rest, v² = 0.25 − p² there. Nothing is beyond it.
 WALL = core.PiecewiseSystem(
     "A wall", ("x", "v"), surfaces=("x - p",), regions={"+": core.Region(f=("v", "-x"))}, jumps={0: ("x", "-v")},
