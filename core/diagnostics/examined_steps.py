@@ -92,7 +92,6 @@ class Steps:
             begin, start, number = t[rows], np.ascontiguousarray(x[rows]), np.arange(len(rows))
             track = Track(begin, start, mode[rows], number, begin, start, mode[rows])
             found = self._stepper.find(track, times[rows].ravel())
-            found.x[found.solved :] = np.nan
             states[rows] = found.x.reshape(*times[rows].shape, x.shape[1])
         return states
 

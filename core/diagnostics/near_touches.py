@@ -195,7 +195,7 @@ class _Search:
             time = place.t + s * (k / count)
             track = Track(begin, start, mode, np.zeros(1, dtype=np.int64), begin, start, mode)
             found = self.stepper.find(track, np.array([time]))
-            t, x = time, found.x[0] if found.solved else np.full_like(x, np.nan)
+            t, x = time, found.x[0]
         return x
 
     def is_slight(self, place: _Place, least: _Least) -> bool:

@@ -56,14 +56,11 @@ def _between(run: Trajectory, times: Floats) -> Floats:
     track = Track(*rows, run.entered_t, run.entered_x, entered)
     along = times if track.t[-1] >= track.t[0] else -times
     order = None if (along[1:] >= along[:-1]).all() else np.argsort(along)
-    found = Stepper(run.system, METHODS[run.method], run.tolerance).find(
-        track, times if order is None else times[order]
-    )
-    found.x[found.solved :] = np.nan
-    states = found.x
+    stepper = Stepper(run.system, METHODS[run.method], run.tolerance)
+    states = found = stepper.find(track, times if order is None else times[order]).x
     if order is not None:
-        states = np.empty_like(found.x)
-        states[order] = found.x
+        states = np.empty_like(found)
+        states[order] = found
     if back:
         states[times == run.t[-1]] = run.x[-1]
     return states

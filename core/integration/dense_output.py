@@ -63,13 +63,13 @@ class Found(NamedTuple):
     """States at k times."""
 
     x: Floats
-    """(k, d) states."""
+    """(k, d) states; nan where the step there has no solution, and at later times in that step."""
     mode: Integers
     """(k,) mode occupied."""
     segment: Integers
     """(k,) index of the segment in which each lies."""
     solved: int
-    """Number of states found; the step to the next one has no solution."""
+    """Number of states before the first without a solution."""
 
 
 class Stepper:
@@ -186,12 +186,13 @@ def _compiled() -> Callable[..., int]:
         place, carry, increment = w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d]
         row, now = -1, -1  # the row before, and the segment whose levels are set
         here, start, begin, mode, fresh = 0, x[0], t[0], first_rows[0], True  # the mode by its first row
+        solved, fails = times.size, False
         for k in range(times.size):
             time = times[k]
             before = row
             row = last_row(t, sign, max(row, 0), time)
             if row != before:
-                here, start, begin, fresh = segment[row], x[row], t[row], True
+                here, start, begin, fresh, fails = segment[row], x[row], t[row], True, False
                 mode = first_rows[max(modes[row], 0)]  # where the run has stopped, no step is taken
             # A crossing displaced by a perturbation counts from its displaced time on, but within its step.
             while row + 1 < t.size and here < segment[row + 1]:
@@ -199,7 +200,7 @@ def _compiled() -> Callable[..., int]:
                 ahead = sign * (entered_t[entry] - time) > 0.0
                 if ahead or (time == t[row] and entered_t[entry] != time):
                     break
-                here, start, begin, fresh = here + 1, entered_x[entry], entered_t[entry], True
+                here, start, begin, fresh, fails = here + 1, entered_x[entry], entered_t[entry], True, False
                 mode = first_rows[max(entered_mode[entry], 0)]
             segments[k] = here
             found_modes[k] = modes[row] if here == segment[row] else entered_mode[here - first]
@@ -207,6 +208,9 @@ def _compiled() -> Callable[..., int]:
             if h == 0.0:
                 for i in range(d):
                     found[k, i] = start[i]
+                continue
+            if fails:
+                found[k] = math.nan
                 continue
             if fresh:
                 if conservative and now != here:
@@ -225,9 +229,11 @@ def _compiled() -> Callable[..., int]:
                 continue
             fresh = True
             if not step_in_parts(functions, begin, h, mode, adaptive, p, w, scratch, place, carry, increment, start):
-                return k
+                solved, fails = min(solved, k), True
+                found[k] = math.nan
+                continue
             for i in range(d):
                 found[k, i] = place[i]
-        return times.size
+        return solved
 
     return along  # type: ignore[no-any-return]

@@ -25,6 +25,8 @@ _LENGTH = 10.0
 _ROUND_OFF = 16.0 * 2.0**-52
 #: Error of a reference, as part of its own estimate, which is the error of the worse of two solutions.
 _OF_ESTIMATE = 0.1
+#: That estimate, relative to the size of the state, from which on crossings of the reference are in doubt.
+_LOST = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +65,11 @@ def target_of(
     labels = [exact.side(t0), *(exact.entered(k + 1) for k in range(len(times)))]
     crossings = CrossingSequence.labelled(system, times, labels)
     size = max(float(np.linalg.norm(x0)), float(np.linalg.norm(x)))
+    if exact.error > _LOST * size:
+        raise ValueError(
+            f"there is no reference until t = {end:g}: its error, {exact.error:.1g}, has grown to a part of the state "
+            "that leaves its crossings in doubt; take an earlier end time"
+        )
     estimate = _OF_ESTIMATE * exact.error
     floor = {
         "state": max(_ROUND_OFF * size, estimate),

@@ -15,7 +15,7 @@ from pwsviz.figures.colours import BLUE, BROWN, CALM, GREEN, GREY, MILD, OCHRE, 
 __all__ = ["LIKEWISE", "OUTCOMES", "UNJUDGED", "Outcome", "lasts", "outcomes_shown"]
 
 UNJUDGED = -1
-"""Outcome of a run that nothing can be compared with, since the reference ends early; not one of `core.studies`."""
+"""Outcome of a run that nothing can be compared with: the reference ends early, or rounding decides its crossings."""
 
 
 LIKEWISE = -2
@@ -48,7 +48,7 @@ OUTCOMES: Mapping[int, Outcome] = {
     Status.STEP_LIMIT: Outcome("too many steps", GREY),
     Status.CROSSING_LIMIT: Outcome("too many crossings", GREY),
     NO_START: Outcome("no trajectory starts here", "#404040"),
-    UNJUDGED: Outcome("not judged: the reference ends early", "#e4e4e4"),
+    UNJUDGED: Outcome("not judged: no reference to the end", "#e4e4e4"),
 }
 """What is shown of each outcome, by its code."""
 

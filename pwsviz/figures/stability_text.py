@@ -8,7 +8,7 @@ from collections.abc import Callable, Sized
 import numpy as np
 
 import core
-from core.studies import ENDINGS, NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
+from core.studies import ENDINGS, NOT_YET, UNCERTAIN, Drift, Grazing, LargestTau, OutcomeMap
 from pwsviz.figures.marks import ENDS
 from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
 from pwsviz.results.resting import ROUND_OFF
@@ -20,6 +20,8 @@ from pwsviz.text.tables import Numbers
 from pwsviz.text.words import listed, plural, rounded_up
 
 __all__ = ["has_limit", "map_text", "runs_drawn", "side_words", "stability_numbers", "stability_text", "wrong_number"]
+
+_ROUNDING_DECIDES = "rounding decides the crossings of the reference"
 
 UNKNOWN = "–"
 """In place of a number that is not known, or that there is not."""
@@ -115,6 +117,8 @@ def _ends_early(study: core.StabilityStudy) -> str:
     if reference:
         early = f"the reference ends early ({_counted(reference)})"
         words += f"{_how_many(reference, expected)} {early}; these are not judged. "
+    if lost := expected[expected == UNCERTAIN].tolist():
+        words += f"{_how_many(lost, expected)} {_ROUNDING_DECIDES} {until}; these are not judged. "
     return words
 
 
@@ -214,9 +218,11 @@ def _all_work(last: float) -> str:
 def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
     """Return up to which time crossings are counted, and why if that is not the end time."""
     end, horizon = study.t_span[1], largest.horizon
+    if largest.expected == UNCERTAIN:
+        return f", from which {_ROUNDING_DECIDES} before t = {end:.4g}: no run is judged"
     if largest.expected not in ENDINGS:
         return f", from which the reference ends early, before t = {end:.4g}: no run is judged"
-    if largest.expected is not core.Status.COMPLETED:
+    if largest.expected != core.Status.COMPLETED:
         return f", from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
     near = f", a quarter of the way between two crossings, as t = {end:.4g} is nearer to one of them"
     return f" to t = {horizon:.4g}{near * (horizon != end)}"

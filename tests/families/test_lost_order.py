@@ -59,6 +59,28 @@ def test_a_step_whose_error_does_not_fall_as_its_order_says_is_told(draws, metho
     assert told, "no case loses its order"
 
 
+def through_a_root(rng: np.random.Generator) -> Case:
+    """x' = a + b |x|^p, through x = 0, where its derivative is not bounded: steps beside it may have no solution."""
+    p, power = ((1 / 3, "(1/3)"), (0.5, "(1/2)"), (2 / 3, "(2/3)"))[int(rng.integers(3))]
+    a, b = (round(float(rng.uniform(*ends)), 3) for ends in ((0.2, 1.0), (0.5, 3.0)))
+    after = quad(lambda u: u ** (1 / p - 1) / (p * (a + b * u)), 0.0, 1.0, epsabs=1e-14, epsrel=1e-13)[0]  # u = x^p
+    field = (f"({a} + {b}*abs(x)**{power})*{after!r}",)  # so that x = -1 is left at t = 0, and x = 0 met at t = 1
+    return Case(core.PiecewiseSystem.from_field(("x",), field, x0=(-1.0,)), 1.0, (a + b) * after)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_step_through_a_root_is_told_though_others_have_no_solution(draws, method):
+    told = 0
+    for rng in draws(16):
+        case = through_a_root(rng)
+        run, error = case.run(method, tau=1.0 / 10 ** rng.uniform(1.3, 2.5))
+        said = "too long for" in run.warning
+        told += said
+        silent = run.status is core.Status.COMPLETED and not said
+        assert not silent or error < 1e-3, f"off by {error:.1e} of a step: {case.system.law_arguments()}"
+    assert told, "no case loses its order"
+
+
 @pytest.mark.parametrize("method", [*METHODS, "rk2"])
 def test_a_step_far_from_the_border_is_not_said_to_lose_its_order(draws, method):
     for rng in draws(12):

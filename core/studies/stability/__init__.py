@@ -6,7 +6,15 @@ from core.studies.stability.largest import LargestTau
 from core.studies.stability.outcomes import OutcomeMap
 from core.studies.stability.plan import STARTS_OF_MAP, default_taus
 from core.studies.stability.study import PARTS, StabilityStudy, stability_study
-from core.studies.stability.verdict import ENDINGS, NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, outcome_words
+from core.studies.stability.verdict import (
+    ENDINGS,
+    NO_START,
+    NOT_YET,
+    UNCERTAIN,
+    WENT_ON,
+    WRONG_CROSSINGS,
+    outcome_words,
+)
 
 __all__ = [
     "ENDINGS",
@@ -14,6 +22,7 @@ __all__ = [
     "NO_START",
     "PARTS",
     "STARTS_OF_MAP",
+    "UNCERTAIN",
     "WENT_ON",
     "WRONG_CROSSINGS",
     "Drift",

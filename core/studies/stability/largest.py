@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integration.tally import Tally, crossed
-from core.integration.trajectory import Status
 from core.interface.cancelling import Cancel
 from core.interface.summary import Brief
 from core.interface.tasks import GivenUp, as_completed
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import MAX_STEPS, Plan
-from core.studies.stability.verdict import ENDINGS, Expected, expected_of, judge
+from core.studies.stability.verdict import ENDINGS, UNCERTAIN, Expected, expected_of, judge
 
 __all__ = ["LargestTau", "count", "run"]
 
@@ -46,8 +45,8 @@ class LargestTau(Brief):
     """(methods,) why that one fails, in words; empty where all work."""
     done: NDArray[np.bool_]
     """(methods,) whether computed."""
-    expected: Status
-    """How the solution itself ends."""
+    expected: int
+    """How the solution itself ends: a value of `Status`, or UNCERTAIN."""
     expected_met: Tally
     """How often it meets a surface up to `horizon`."""
     horizon: float
@@ -103,7 +102,8 @@ def _largest(plan: Plan, expected: Expected, method: str, given_up: GivenUp) -> 
         return ""
 
     if expected.status not in ENDINGS:
-        return np.nan, np.nan, f"nothing to compare with, as the reference ends early: {expected.reason}"
+        early = "" if expected.status == UNCERTAIN else "the reference ends early: "
+        return np.nan, np.nan, f"nothing to compare with, as {early}{expected.reason}"
     works, beyond, reason = np.nan, np.nan, ""
     for tau in plan.taus:
         reason = trouble(tau)

@@ -37,7 +37,7 @@ class OutcomeMap(Brief):
     met: Integers
     """(methods, m, n, 4) how often the run met a surface: a `Tally` each."""
     expected: Integers
-    """(n,) how the solution from that start ends: a value of `Status`, or NO_START, or NOT_YET."""
+    """(n,) how the solution from that start ends: a value of `Status`, or UNCERTAIN, NO_START or NOT_YET."""
     expected_met: Integers
     """(n, 4) how often the solution met one, up to the time until which that is counted."""
 

@@ -33,6 +33,16 @@ def curve(study, name):
     return next(one for one in study.curves if one.name == name)
 
 
+def test_there_is_no_reference_where_its_own_error_leaves_crossings_in_doubt():
+    from tests.core.studies.test_stability import CROSSINGS, LORENZ
+
+    x0 = (2.94, 1.0, 20.0)
+    assert measured({"rk8": (0.001,)}, LORENZ, (0.0, 20.0), x0=x0).crossings == CROSSINGS[2.94][0]
+    for end in (40.0, 50.0):
+        with pytest.raises(ValueError, match=f"no reference until t = {end:g}: its error.*take an earlier end time"):
+            measured({"rk8": (0.001,)}, LORENZ, (0.0, end), x0=x0)
+
+
 def test_the_state_error_is_the_distance_from_where_the_orbit_closes(study):
     for name, key in (("dmm2", "tau"), ("rk4", "tau"), ("taylor", "tolerance")):
         one = curve(study, name)

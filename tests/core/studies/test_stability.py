@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 import core
-from core.studies.stability import NO_START, NOT_YET, PARTS, WENT_ON, WRONG_CROSSINGS, outcome_words, stability_study
+from core.studies.stability import (
+    NO_START,
+    NOT_YET,
+    PARTS,
+    UNCERTAIN,
+    WENT_ON,
+    WRONG_CROSSINGS,
+    outcome_words,
+    stability_study,
+)
 from core.studies.stability import verdict as verdicts
 from core.studies.stability.verdict import expected_of, judge
 
@@ -24,6 +33,33 @@ def oscillator(surface: str, x0=(1.0, 0.0)) -> core.PiecewiseSystem:
 
 FAR = oscillator("x - 10")  # a wall that the motion reaches only if its amplitude grows tenfold
 SMALL = {"taus": (0.05, 0.5, 1.0), "values": (-1.0, -0.5), "steps": 2000, "tau": 0.05}
+
+
+#: Lorenz’ equations, with a constant more where x < 0.
+LORENZ = core.PiecewiseSystem(
+    "Lorenz", ("x", "y", "z"), ("10*(y - x)", "x*(28 - z) - y", "x*y - 8*z/3 + 1"),
+    ("10*(y - x)", "x*(28 - z) - y", "x*y - 8*z/3"), "x", x0=(1.0, 1.0, 20.0),
+)  # fmt: skip
+#: x of the start -> crossings up to t = 20, 30, 35, 40 and 50: by Taylor series in 50 digits (mpmath).
+CROSSINGS = {2.24: (13, 18, 21, 26, 31), 1.35: (12, 16, 19, 23, 29), 2.94: (14, 17, 18, 21, 25)}
+
+
+@pytest.mark.parametrize("x", CROSSINGS)
+@pytest.mark.parametrize("k", range(5))
+def test_crossings_that_rounding_decides_are_not_taken_for_those_of_the_solution(x, k):
+    end = (20.0, 30.0, 35.0, 40.0, 50.0)[k]
+    found = stability_study(
+        LORENZ, (0.0, end), (x, 1.0, 20.0), ("rk8",), taus=(0.001, 0.002), values=(x, 1.0), parts=("map", "largest_tau")
+    )
+    limits = found.largest_tau
+    known = limits.expected == core.Status.COMPLETED
+    assert known or limits.expected == UNCERTAIN
+    assert known or end > 30, "errors grow a million times in 15 units of time"
+    assert not known or end < 50
+    assert not known or limits.expected_crossings == CROSSINGS[x][k]
+    assert known or "rounding decides the crossings" in limits.reason[0]
+    assert found.map.expected[0 if x < 1.0 else 1] == limits.expected
+    assert known or not found.map.works[:, :, 1].any()
 
 
 # The largest step size -----------------------------------------------------------------------------------------------
@@ -178,7 +214,7 @@ def test_runs_of_the_map_do_without_a_call_of_integrate(monkeypatch):
     called = []
     monkeypatch.setattr(verdicts, "integrate", lambda *a, **b: called.append(a) or core.integrate(*a, **b))
     stability_study(HARMONIC, methods=("dmm2",), taus=(0.01, 0.1, 0.2), values=(1.0, 2.0), parts="map")
-    assert len(called) == 2, "the reference of each start"
+    assert len(called) == 2 * 2, "the references of each start"
 
 
 def test_the_map_is_refined_from_a_coarse_one():

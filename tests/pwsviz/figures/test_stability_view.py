@@ -9,7 +9,7 @@ from bokeh.events import Tap
 from bokeh.models.glyphs import Text
 
 import core
-from core.studies.stability import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS
+from core.studies.stability import NO_START, NOT_YET, UNCERTAIN, WENT_ON, WRONG_CROSSINGS
 from pwsviz.figures.conserved import FLOOR
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.figures.stability_map import NO_VALUE
@@ -313,11 +313,23 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
             20.0,
             " to t = 20.07, a quarter of the way between two crossings, as t = 20 is nearer to one of them",
         ),
+        (
+            core.PiecewiseSystem(
+                "Lorenz",
+                ("x", "y", "z"),
+                ("10*(y - x)", "x*(28 - z) - y", "x*y - 8*z/3 + 1"),
+                ("10*(y - x)", "x*(28 - z) - y", "x*y - 8*z/3"),
+                "x",
+                x0=(1.0, 1.0, 20.0),
+            ),
+            70.0,
+            ", from which rounding decides the crossings of the reference before t = 70: no run is judged",
+        ),
         ("type_sliding", 20.0, ", from which the solution itself ends before t = 20: a run has to end likewise"),
     ],
 )
 def test_a_study_that_counts_crossings_to_another_time_than_the_end_says_why(system, end, told):
-    found = core.stability_study(core.CATALOGUE[system], (0.0, end), methods=("rk2",), parts=("largest_tau",))
+    found = core.stability_study(system, (0.0, end), methods=("rk2",), parts=("largest_tau",))
     assert stability_numbers(found, "map", "rk2")[0].caption.endswith(f"start{told}")
 
 
@@ -335,6 +347,9 @@ def test_a_map_of_solutions_that_end_early_says_so(study):
     given_up = map_text(replace(study, map=replace(study.map, expected=limited)))
     assert "For 2 of the 5 initial states the reference ends early (step limit: 2); these are not judged." in given_up
     assert "the solution itself" not in given_up
+    chaotic = np.where(ends == NO_START, UNCERTAIN, core.Status.COMPLETED)
+    lost = "For 1 of the 5 initial states rounding decides the crossings of the reference before t = 20; these are not"
+    assert lost in map_text(replace(study, map=replace(study.map, expected=chaotic)))
     completed = replace(study, map=replace(study.map, expected=np.full(5, core.Status.COMPLETED)))
     assert "the solution itself" not in map_text(completed)
 
