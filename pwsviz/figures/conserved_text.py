@@ -128,7 +128,7 @@ def largest_of_each(curves: Sequence[ErrorCurve]) -> str:
     """Return the largest |Δψ| by each integrator, for captions; empty if no ψ is known."""
     known = ((curve.method, curve.error[~np.isnan(curve.error) & ~curve.sliding]) for curve in curves)
     worst = [(method, float(error.max())) for method, error in known if len(error)]
-    told = [f"{method} {rounded(most) if most < math.inf else 'unbounded'}" for method, most in worst]
+    told = [f"{rounded(most) if most < math.inf else 'unbounded'} for {method}" for method, most in worst]
     return f"Largest |Δψ|: {listed(told)}." if told else ""
 
 

@@ -42,7 +42,7 @@ _CONSTANTS = (
     _Constant(r"\alpha_{S}^{2}", "alpha2", "transversality (1.2)", "smallest |dg/dt| at which the solution crosses"),
     _Constant(
         r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "discrete transversality (3.6)",
-        "the same for the scheme’s steps to and from the surface; has to be positive",
+        "its counterpart for the scheme’s steps to and from the surface; has to be positive",
     ),
     _Constant(
         "M", "M", "(3.2)", "half the largest second derivative of g along the flow in a step: ½ sup |d²g/dt²|",
@@ -50,7 +50,7 @@ _CONSTANTS = (
     ),
     _Constant(
         r"\hat{M}", "M_hat", "(3.9)",
-        "the same for the scheme: ½ sup |f^τ·H f^τ|, H the Hessian of g; where g depends on t, of (t, x) and (1, f^τ)",
+        "its counterpart for the scheme: ½ sup |f^τ·H f^τ|, H the Hessian of g; if g depends on t, (t, x) and (1, f^τ)",
         greatest=True,
     ),
     _Constant(

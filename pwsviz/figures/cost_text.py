@@ -205,7 +205,9 @@ def _timed(study: core.WorkPrecision) -> str:
 def _compiling(study: core.WorkPrecision) -> str:
     took = [(curve.title, curve.compile_seconds) for curve in study.curves if np.isfinite(curve.compile_seconds)]
     compiled = [f"{title} {duration(seconds)}" for title, seconds in took if seconds >= _IN_MEMORY]
-    return f"Compile/load time (not included): {listed(compiled)}." if compiled else ""
+    loaded = [title for title, seconds in took if seconds < _IN_MEMORY]
+    rest = f"; {listed(loaded)} already loaded" * bool(loaded)
+    return f"Compile/load time (not included): {listed(compiled)}{rest}." if compiled else ""
 
 
 def _missing(study: core.WorkPrecision) -> Iterator[str]:

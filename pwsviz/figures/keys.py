@@ -7,9 +7,13 @@ from typing import Any
 from bokeh.models import CustomJS
 from bokeh.plotting import figure
 
+from pwsviz.text.numbers import PRINTED
+
 __all__ = ["FOCUS_CSS", "REACHED", "attach_keys"]
 
 REACHED: dict[str, Any] = {
+    "role": "application",  # of an image screen readers keep the arrow keys to themselves
+    "aria-roledescription": "figure",
     "tabindex": "0",
     "aria-keyshortcuts": "ArrowLeft ArrowRight ArrowUp ArrowDown + - 0",
 }
@@ -21,7 +25,9 @@ FOCUS_CSS = """
                                border: 2px solid var(--mui-palette-primary-main, #1976d2); }
 """
 
-KEYS = """
+KEYS = (
+    PRINTED
+    + """
 const view = cb_context.index.find_one(cb_obj)
 const { el, frame, canvas_view } = view ?? {}
 if (el == null || el.dataset.keys) { return }
@@ -30,22 +36,23 @@ canvas_view.events_el.tabIndex = -1  // the figure itself is the one stop; after
 const STEP = 0.1, ZOOM = 1.25        // of what is seen
 const MOVES = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowDown: [0, -STEP], ArrowUp: [0, STEP] }
 const ZOOMS = { "+": 1 / ZOOM, "=": 1 / ZOOM, "-": ZOOM, "\\u2212": ZOOM }
-const FITS = ["0", "f", "F"]
+const FITS = ["0", "f", "F"], SETTLED = 400  // milliseconds
 // The ends of a range, moved and zoomed on the screen: where its scale is logarithmic, too.
 const changed = (scale, by, factor) => {
   const range = scale.source_range, [low, high] = [range.start, range.end].map(end => scale.compute(end))
   const middle = (low + high) / 2 + by * (high - low), half = factor * (high - low) / 2
   return new Map([[range, { start: scale.invert(middle - half), end: scale.invert(middle + half) }]])
 }
-// What is seen now, for screen readers: once the ranges are known.
-const tell = () => requestAnimationFrame(() => {
+// What is seen now, for screen readers: once the ranges are known, of which the server may have a say.
+const tell = () => setTimeout(() => {
   const { below, left } = view.model, axes = [[below, frame.x_scale, "across"], [left, frame.y_scale, "up"]]
   const seen = axes.map(([[axis], { source_range }, way]) => {
     const name = typeof axis?.axis_label == "string" && !axis.axis_label.includes("$") ? axis.axis_label : way
-    return `${name} from ${source_range.start.toPrecision(3)} to ${source_range.end.toPrecision(3)}`
+    const [low, high] = [source_range.start, source_range.end].map(end => printed(String(Number(end.toPrecision(3)))))
+    return `${name} from ${low} to ${high}`
   })
   document.dispatchEvent(new CustomEvent("seen", { detail: `In sight: ${seen.join(", ")}.` }))
-})
+}, SETTLED)
 el.addEventListener("keydown", event => {
   if (event.ctrlKey || event.altKey || event.metaKey) { return }
   const { key } = event
@@ -61,6 +68,7 @@ el.addEventListener("keydown", event => {
   tell()
 })
 """
+)
 """JavaScript run when a figure is laid out, and its elements exist."""
 
 

@@ -18,7 +18,7 @@ from bokeh.models.glyphs import Line, MultiLine, Scatter, Text
 from bokeh.plotting import figure
 
 import core
-from pwsviz.figures.colours import AMBER, GROUND, VERMILION
+from pwsviz.figures.colours import AMBER, GREY, GROUND, VERMILION
 from pwsviz.figures.crowding import Marks
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
@@ -176,7 +176,9 @@ class PortraitView:
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.add_glyph(self.orbits, MultiLine(line_dash="stroke", **looks))
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
-        self.dots = plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="colour", line_color="white"))
+        plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="colour", line_color="white"))
+        a_dot = Scatter(size=STEP_SIZE, fill_color=GREY, line_color="white")
+        self.dots = plot.add_glyph(unseen(("x", "y")), a_dot)  # in the legend: those of each integrator have its colour
         self.methods, self.keys = legend_lines(plot)
         self.jumps = ColumnDataSource({"x": [], "y": []})
         self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=AMBER, line_dash=[8, 3, 2, 3], line_width=1.5))

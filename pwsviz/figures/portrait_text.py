@@ -79,12 +79,14 @@ def portrait_text(
     count = len(starts)
     which = "one trajectory, which starts" if count == 1 else f"{count} trajectories; number {selected + 1} starts"
     met = "; ".join(f"{one.method}: {one.course}" for one in pictures.summaries)
-    shape = "".join(f" {_shape(orbit, pictures.plane, across, up)}" for orbit in pictures.orbits[:1])
+    scheme = pictures.inputs.selected[0].scheme
+    meets = "It meets a surface" if scheme.locate and scheme.perturbation_order is None else "It changes sides"
+    shape = "".join(f" {_shape(orbit, pictures.plane, across, up, meets)}" for orbit in pictures.orbits[:1])
     return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {met}.{shape}"
 
 
-def _shape(orbit: Orbit, plane: Plane, across: str, up: str) -> str:
-    """Return how far a curve reaches, and where it meets a surface, in sentences."""
+def _shape(orbit: Orbit, plane: Plane, across: str, up: str, meets: str) -> str:
+    """Return how far a curve reaches, and where it meets a surface, or changes sides, in sentences."""
     if not np.isfinite(orbit.path).any():
         return ""
     ends = plane.values(np.array([np.nanmin(orbit.path, axis=0), np.nanmax(orbit.path, axis=0)]))
@@ -94,7 +96,7 @@ def _shape(orbit: Orbit, plane: Plane, across: str, up: str) -> str:
     met = plane.values(orbit.crossings[:FEW_PLACES])
     places = [f"({a:.3g}, {b:.3g})" for a, b in np.where(np.abs(met) > least, met, 0.0).tolist()]
     more = ["elsewhere"] * (len(orbit.crossings) > FEW_PLACES)
-    where = f" It meets a surface at {listed([*places, *more])}." * bool(places)
+    where = f" {meets} at {listed([*places, *more])}." * bool(places)
     return printed(f"The curve of {orbit.method} goes through {reach}.{where}")
 
 

@@ -93,7 +93,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
         "active_drag": None,
         "output_backend": "canvas",
         "min_border_right": 12,
-        "html_attributes": {"role": "img", "aria-label": summary[:1].upper() + summary[1:], **REACHED},
+        "html_attributes": {"aria-label": summary[:1].upper() + summary[1:], **REACHED},
         "stylesheets": [FOCUS_CSS],
     }
     plot = figure(**{**settings, **options})

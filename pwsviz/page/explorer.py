@@ -209,7 +209,12 @@ class Explorer(pn.viewable.Viewer):
             self._stop_others(view)
             if isinstance(view, LongTab):
                 under_way = partial(self.scheduler.busy, "view", (self.scene.view, wanted))
-                self.scheduler.call_later(SOON, view.begin, under_way)
+                self.scheduler.call_later(SOON, partial(self._begin_study, view), under_way)
+
+    def _begin_study(self, view: LongTab) -> None:
+        """Show that a computation takes its time, and tell screen readers: they may have kept the words of the last."""
+        view.begin()
+        self._tell("computing.")
 
     def _stop_others(self, view: Tab) -> None:
         for other in self.views.values():

@@ -23,6 +23,7 @@ from pwsviz.export.script import snippet
 from pwsviz.figures.colours import PRINTED_OPACITY
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
+from pwsviz.text.numbers import printed
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.named_row import NamedRow
 from pwsviz.widgets.panes import PLAIN_SX, TEXT_CSS, heading
@@ -263,12 +264,12 @@ def _complaint() -> pmui.Typography:
 def _caption(scene: Scene, piece: Piece) -> str:
     """Return a caption in full; its last line, after what the browser adds, says with what it was computed."""
     words = caption(scene, piece.heading or piece.title, **piece.origin)
-    return f"{words} {piece.meaning}".strip() + f"\nComputed with {release()}."
+    return f"{words} {printed(piece.meaning)}".strip() + f"\nComputed with {release()}."
 
 
 def _short_caption(scene: Scene, piece: Piece) -> str:
     words = short_caption(scene, piece.heading or piece.title, **piece.origin)
-    return f"{words} {piece.key}".strip()
+    return f"{words} {printed(piece.key)}".strip()
 
 
 def _write_csv(table: Callable[[], Table], origin: Mapping[str, str]) -> bytes:

@@ -79,7 +79,7 @@ SKIP = """
 <div id="portrait" tabindex="-1"></div>
 <script>{
   FIND
-  document.getElementById("portrait").addEventListener("focus", () => find(document, "[role=img]")?.focus())
+  document.getElementById("portrait").addEventListener("focus", () => find(document, "[role=application]")?.focus())
   document.getElementById("skip").addEventListener("click", event => {  // the address bar holds the scene alone
     event.preventDefault()
     document.getElementById("portrait").focus()

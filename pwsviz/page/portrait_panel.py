@@ -235,7 +235,7 @@ class PortraitPanel(pn.viewable.Viewer):
         warnings = self._warnings_of(shown)
         words = "".join(
             [
-                as_text(figures_of(shown, warnings), "about"),
+                as_text(figures_of(shown, warnings), "which"),
                 as_text(perturbed_words(shown.inputs.selected[0])),
                 run_lines(shown.summaries, warnings),
                 as_text(parted_words(shown), "stopped"),

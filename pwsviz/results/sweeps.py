@@ -23,6 +23,7 @@ from pwsviz.scene.names import short_name
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 from pwsviz.text.advice import on_page
+from pwsviz.text.words import listed
 
 __all__ = ["NO_CROSSING", "NO_START", "Diagram", "coarse_to_fine", "sweep_arguments", "swept", "swept_values"]
 
@@ -232,11 +233,16 @@ class _Runs:
             raise Cancelled
         warned = [run.value for run, words in zip(runs, told, strict=True) if words]
         found = replace(found, examined=np.unique([run.value for run in runs]), warned=np.unique(warned))
-        kinds: dict[str, str] = {}  # by the words without their numbers
+        kinds: dict[str, dict[float, str]] = {}  # by the words without their numbers
         for value, words in zip(warned, filter(None, told), strict=True):
-            says = f"{short_name(self._parameter)} = {value:.6g}: {on_page(words, self._system.variables)}"
-            kinds.setdefault(_NUMBER.sub("", words), says)
-        return replace(found, warnings=tuple(kinds.values()))
+            kinds.setdefault(_NUMBER.sub("", words), {})[value] = on_page(words, self._system.variables)
+        return replace(found, warnings=tuple(map(self._said, kinds.values())))
+
+    def _said(self, words: dict[float, str]) -> str:
+        """What is said against the run of the first of some values, and at which others, in other numbers."""
+        first, *others = words
+        likewise = f" Likewise at {listed([f'{value:.6g}' for value in sorted(others)])}." if others else ""
+        return f"{short_name(self._parameter)} = {first:.6g}: {words[first]}{likewise}"
 
     def _to_examine(self) -> list[_Run]:
         """The runs in which rates change most from step to step, and others all over the range if they are short."""

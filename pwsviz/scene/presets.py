@@ -52,7 +52,7 @@ def _first_look() -> tuple[Preset, ...]:
         Preset(
             FIRST_LOOK, "A first look", "",
             "At τ = 0.08, dmm2 keeps the conserved quantity ψ to round-off; rk2, of order 2 as well, spirals outwards.",
-            "Halve τ: |Δψ| of rk2 falls more than eightfold. dmm2 errs in phase alone: see Order. Drag the star.",
+            "Halve τ: |Δψ| of rk2 falls more than eightfold. dmm2 stays on the curve, but errs in time: see Order.",
             # Both have the 20 crossings of the solution up to here, and a sweep beyond would meet no surface.
             {**_CURVE, "tau": 0.08, "t_end": 19.2, "view": "conserved", "sweep_range": (0.1, 1.6)},
         ),

@@ -183,6 +183,11 @@ class Tab(pn.viewable.Viewer):
         self._show(outcome)
         self._fade(past=False)
 
+    def which_start(self) -> str:
+        """Return the start of which runs are told, before what is told of them; empty if there is but one."""
+        count = len(self.scene.starts)
+        return f"Start {self.scene.selected + 1} of {count}: " if count > 1 else ""
+
     def redraw(self) -> None:
         """Draw the same result again, after a change of `settings`."""
         if self.outcome is not None and self.built:

@@ -78,7 +78,7 @@ class ConservedTab(Tab):
         leave_out(self.plots[0], not there)
         if there:
             self.view.show(outcome.curves, outcome.marks)
-        said = conserved_text(outcome.curves) if there else ""
+        said = f"{self.which_start()}{conserved_text(outcome.curves)}" if there else ""
         if outcome.unmoved:
             said = f"No step was made, so there is no |Δψ| to show. The run ended at once, at {outcome.unmoved}"
         elif slides and not drawn:

@@ -68,7 +68,7 @@ class StateTab(Tab):
             if self._portrait is not None:
                 link_crossings(self._portrait, panel, self.view.shared.instants)
         self._panels.objects = self.plots[: len(names)]
-        return state_text(names, outcome.curves, len(outcome.first.crossings))
+        return self.which_start() + state_text(names, outcome.curves, len(outcome.first.crossings))
 
     def _describe(self, words: str) -> None:
         """Describe each panel by its own coordinate."""

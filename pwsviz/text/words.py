@@ -55,8 +55,8 @@ JUMPS_MARKED = "Jumps are marked at the state before each."
 
 
 def whose_marks(methods: Sequence[str], crossings: int) -> str:
-    """Say of several integrators whose crossings are marked, if there are any, and whose sides are shaded, if any."""
-    shown = "Crossing marks and any shading refer" if crossings else "Any shading refers"
+    """Say of several integrators whose crossings or jumps are marked, if any, and whose sides are shaded, if any."""
+    shown = "Marks at surfaces and any shading refer" if crossings else "Any shading refers"
     return f"{shown} to {methods[0]}." if len(methods) > 1 else ""
 
 

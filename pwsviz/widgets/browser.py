@@ -189,7 +189,14 @@ const describe_lists = () => {
     if (markup == "") { return }
     const words = new DOMParser().parseFromString(markup, "text/html").body.textContent
     this.input_el.setAttribute("aria-description", words.trim())
-    this.group_el?.setAttribute("data-about", words.trim())  // shown while the keyboard is at it
+    // Shown while the keyboard is at it, until something is chosen: what that is for stands below.
+    const show = on => {
+      if (on) { this.group_el?.setAttribute("data-about", words.trim()) } else { delete this.group_el?.dataset.about }
+    }
+    show(true)
+    this.input_el.addEventListener("change", () => show(false))
+    this.input_el.addEventListener("keydown", event => { if (event.key == "Escape") { show(false) } })
+    this.input_el.addEventListener("blur", () => show(true))
   }
 }
 describe_lists()

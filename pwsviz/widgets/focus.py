@@ -11,8 +11,8 @@ __all__ = ["SPACE", "hand_on"]
 
 SPACE = """
 const TAKES_SPACE = "input, textarea, select, button, summary, a, [role], [contenteditable]"
-const LEAVES_SPACE = "[role=img], [role=tab][aria-selected=true], [role=tablist]"
-// Whether the space bar, pressed where it was, means nothing else: a figure is an image, a tab that is open is open.
+const LEAVES_SPACE = "[role=application], [role=tab][aria-selected=true], [role=tablist]"
+// Whether the space bar, pressed where it was, means nothing else: figures take other keys, an open tab is open.
 const is_free = event => !event.composedPath().filter(node => node instanceof Element).slice(0, 3)
   .some(node => node.matches(TAKES_SPACE) && !node.matches(LEAVES_SPACE))
 """

@@ -10,10 +10,10 @@ from pwsviz.widgets.focus import SPACE
 KEY = "l"
 """Key that turns the lecture mode on and off, when no text is being typed."""
 
-LARGER = 1.5
+LARGER = 1.65
 """Factor of the size of all type outside figures, and of their lines and marks; less on a small screen."""
 
-SCREEN = (900, 500)
+SCREEN = (1100, 620)
 """Pixels of width and height from which on a screen has room for larger type: by 1 % for each 1 % more of both."""
 
 LABELS = 1.1
@@ -22,7 +22,7 @@ LABELS = 1.1
 REST = "calc(9.8rem + var(--header, 52px) - 52px)"
 """CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
-TOLD = 0.3
+TOLD = 0.5
 """Part of the height of the screen that a figure leaves free for what is told below it, at most."""
 
 LINES = 94

@@ -30,7 +30,8 @@ TEXT_CSS = (
 p { margin: 0 0 2px 0; }
 .heading { font-size: 0.75rem; font-weight: 600; letter-spacing: 0.08em; text-transform: uppercase;
            color: var(--mui-palette-text-secondary); margin: var(--heading, 14px 0 2px 0); }
-.about { color: var(--mui-palette-text-secondary); margin: 2px 0 6px 0; display: var(--usual, block); }
+.about, .which { color: var(--mui-palette-text-secondary); margin: 2px 0 6px 0; }
+.about { display: var(--usual, block); }
 .law { margin: 0 0 0 1.5em; text-indent: -1.5em; }
 .law sup { line-height: 0; }
 @media (width >= 1150px) { .law { display: var(--law, block); } }
@@ -38,7 +39,8 @@ p { margin: 0 0 2px 0; }
 .stopped { border-left: 3px solid var(--mui-palette-warning-main); padding-left: 8px; margin: 4px 0; }
 .numbers { overflow-x: auto; margin: 2px 0 8px 0; }
 .numbers table { border-collapse: collapse; font-size: 0.8125rem; }
-.numbers caption { text-align: left; color: var(--mui-palette-text-secondary); padding-bottom: 2px; }
+.numbers caption { text-align: left; color: var(--mui-palette-text-secondary); padding-bottom: 2px;
+                   display: var(--usual, table-caption); }
 .numbers :is(th, td) { text-align: left; font-weight: 400; padding: 1px 14px 1px 0; vertical-align: baseline; }
 .numbers thead th { color: var(--mui-palette-text-secondary); border-bottom: 1px solid var(--mui-palette-divider); }
 .run { display: flex; align-items: baseline; gap: 8px; }

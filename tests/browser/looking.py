@@ -67,7 +67,7 @@ def becomes(page, holds):
 
 
 def canvas(page, figure):
-    return page.get_by_role("img", name=re.compile(figure)).locator("canvas").first
+    return page.get_by_role("application", name=re.compile(figure)).locator("canvas").first
 
 
 RUN = re.compile(r"\d steps?, ")

@@ -209,7 +209,7 @@ ENDS = """name => {
 def test_a_figure_is_reached_by_tab_and_moved_zoomed_and_fitted_by_keys(visit, name):
     page = visit()
     await_painted(page, name)
-    figure, before = page.get_by_role("img", name=name), page.evaluate(ENDS, name)
+    figure, before = page.get_by_role("application", name=name), page.evaluate(ENDS, name)
     page.get_by_role("button", name="Close menu").focus()
     while focused(page) != figure.get_attribute("aria-label"):
         page.keyboard.press("Tab")

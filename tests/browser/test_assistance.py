@@ -122,7 +122,7 @@ def test_what_a_figure_shows_is_told_when_keys_move_it_and_which_start_runs_are_
     page = visit(query="v=2&t_end=2")
     await_painted(page, "Phase portrait")
     told = page.get_by_role("status")
-    page.get_by_role("img", name=re.compile("Phase portrait")).focus()
+    page.get_by_role("application", name=re.compile("Phase portrait")).focus()
     page.keyboard.press("ArrowRight")
     told.filter(has_text=re.compile(r"In sight: x from -[\d.]+ to [\d.]+, y from -[\d.]+ to [\d.]+\.")).wait_for()
     page.get_by_role("button", name="Add a trajectory").click()

@@ -324,7 +324,7 @@ def test_on_a_phone_a_view_that_is_chosen_comes_into_sight(phone):
     assert tabs.bounding_box()["y"] > 400
     phone.get_by_role("tab", name="Order").tap()
     assert becomes(phone, lambda: tabs.bounding_box()["y"] < 200)
-    figure = phone.get_by_role("tabpanel").get_by_role("img").first
+    figure = phone.get_by_role("tabpanel").get_by_role("application").first
     figure.wait_for()
     assert figure.bounding_box()["y"] < 400
 
@@ -353,7 +353,7 @@ def test_in_a_lecture_the_conclusion_of_a_figure_below_controls_is_in_sight(visi
     page = visit(1366, 768, query=f"v=2&view={view}")
     page.keyboard.press("l")
     panel = page.get_by_role("tabpanel").locator("visible=true")
-    figure = panel.get_by_role("img").first
+    figure = panel.get_by_role("application").first
     figure.wait_for()
     told = panel.get_by_text(re.compile(words)).first
     told.wait_for()

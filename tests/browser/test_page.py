@@ -174,7 +174,7 @@ def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_b
     page.get_by_text(re.compile("no conserved quantity is known in any region")).wait_for()
     page.get_by_text(re.compile("need a conserved quantity; none is known here")).wait_for()
     page.get_by_label("dmm2", exact=True).wait_for(state="detached")
-    page.get_by_role("img", name=re.compile("conserved quantity")).wait_for(state="hidden")
+    page.get_by_role("application", name=re.compile("conserved quantity")).wait_for(state="hidden")
     choose_system(page, "Elliptic curve")
     page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
     assert page.get_by_label("dmm2", exact=True).is_checked()

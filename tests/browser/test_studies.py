@@ -103,7 +103,7 @@ def test_the_legend_of_the_map_has_a_mark_for_the_largest_successful_step_size(v
 
 def test_labels_of_ticks_do_not_overlap_in_the_flat_panels_of_many_coordinates(visit):
     page = visit(1400, 600, query="system=three_bodies&view=state&t_end=5")
-    page.get_by_role("img", name=re.compile("^Coordinate y₃")).wait_for()
+    page.get_by_role("application", name=re.compile("^Coordinate y₃")).wait_for()
     page.wait_for_timeout(1000)
     policies = page.evaluate("""() => [...Bokeh.index.query(view => view.model.type == "LinearAxis")]
         .filter(({model}) => /^[xy]₃$/.test(model.axis_label ?? "")).map(({model}) => model.major_label_policy.type)""")

@@ -145,7 +145,7 @@ def test_an_early_drift_is_no_round_off_though_psi_grows_large_later():
 def test_screen_readers_hear_the_same_sentence():
     view, curves, _ = shown()
     said = view.figure.html_attributes
-    assert said["role"] == "img"
+    assert said["role"] == "application"
     assert conserved_text(curves) in said["aria-label"]
 
 
@@ -196,7 +196,7 @@ def test_eps_is_not_named_where_its_name_would_overlap_that_of_the_lowest_level(
 def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
     many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
     met = replace(curve([0.0, 1e-16]), crossings=np.array([1.0]), sides=np.ones(2))
-    whose, none = "Crossing marks and any shading refer to dmm2.", "crossings of dmm2 are too dense to mark"
+    whose, none = "Marks at surfaces and any shading refer to dmm2.", "crossings of dmm2 are too dense to mark"
     assert "Any shading refers to dmm2." in conserved_text([curve([0.0, 1e-16]), curve([0.0, 1e-7], "rk2")])
     for first, said, unsaid in ((met, whose, none), (many, none, whose)):
         words = conserved_text([first, curve([0.0, 1e-7], "rk2")])
@@ -241,8 +241,8 @@ def test_an_error_that_comes_and_goes_is_no_drift():
 
 def test_a_caption_tells_how_large_the_error_of_each_integrator_becomes():
     curves = [curve(np.array([0.0, 2e-16, 1e-16])), curve(np.array([0.0, 3.14e-4, 1e-4]), "rk2")]
-    assert largest_of_each(curves) == "Largest |Δψ|: dmm2 2×10⁻¹⁶ and rk2 3.1×10⁻⁴."
-    assert largest_of_each([curve(np.array([0.0, np.inf]), "rk4")]) == "Largest |Δψ|: rk4 unbounded."
+    assert largest_of_each(curves) == "Largest |Δψ|: 2×10⁻¹⁶ for dmm2 and 3.1×10⁻⁴ for rk2."
+    assert largest_of_each([curve(np.array([0.0, np.inf]), "rk4")]) == "Largest |Δψ|: unbounded for rk4."
     assert largest_of_each([curve(np.full(3, np.nan))]) == "", "no ψ is known"
 
 

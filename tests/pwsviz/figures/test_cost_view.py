@@ -196,7 +196,7 @@ def test_the_table_names_the_cheapest_of_ours_and_of_the_external_solvers():
     )
     words = cost_details(BOTH, "seconds", "state")
     assert "a curve may level off above that" in words
-    assert "Compile/load time (not included): dmm2 250 ms and SciPy DOP853 250 ms." in words
+    assert "Compile/load time (not included): dmm2 250 ms and SciPy DOP853 250 ms" in words
     assert "exact (linear flow)" in words
 
 

@@ -228,7 +228,7 @@ def test_the_sentence_for_screen_readers_is_of_what_is_drawn():
     assert "one trajectory, which starts at (−1, −1). dmm2: 21 crossings" in view.figure.html_attributes["aria-label"]
     view.draw(TWO, 1)
     assert "2 trajectories; number 2 starts at (−0.5, 0.2)" in view.figure.html_attributes["aria-label"]
-    assert view.figure.html_attributes["role"] == "img"
+    assert view.figure.html_attributes["role"] == "application"
 
 
 def test_a_closed_player_makes_and_sends_nothing():
