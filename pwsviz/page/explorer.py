@@ -331,6 +331,7 @@ class Explorer(pn.viewable.Viewer):
     def _give_lecture(self, begun: bool) -> None:
         self.headline.give_lecture(begun)
         self.lecture.told = begun
+        self.portrait_panel.sight.limits.close()
 
     def _write_address(self) -> None:
         """Update the address bar; a scene too large for a link empties it."""

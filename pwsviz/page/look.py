@@ -8,6 +8,7 @@ from pwsviz.widgets.panes import PLAIN_SX
 
 __all__ = [
     "ABOUT_CSS",
+    "FOR_TOUCH",
     "GRID_CSS",
     "HEADER_SX",
     "NOT_IN_LECTURES",
@@ -75,6 +76,9 @@ NOT_IN_LECTURES = {"&&": {"display": "var(--usual, inline-flex)"}}
 
 FOR_FINGERS = {f"@media (360px <= width < {NARROW}px)": {"minWidth": 40, "minHeight": 40, "margin": 0}}
 """Of a button in the header of a phone, unless that is too small for all of them."""
+
+FOR_TOUCH = {"@media (pointer: coarse)": {"minWidth": 40, "minHeight": 40}}
+"""Of a button beside a figure."""
 
 NOT_ON_PHONES = {"&&": {f"@media (width < {NARROW}px)": {"display": "none"}}}
 """Of a button for which the header of a phone has no room."""

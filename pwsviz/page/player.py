@@ -13,6 +13,7 @@ import param
 from pwsviz.figures.lines import Line, line_of, together
 from pwsviz.figures.orbit_lines import OF_OTHERS
 from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
+from pwsviz.page.look import FOR_TOUCH
 from pwsviz.results.animation import MET, Frames
 from pwsviz.text.numbers import PRINTED
 from pwsviz.text.words import listed
@@ -247,7 +248,13 @@ class Player(pn.viewable.Viewer):
         }  # fmt: skip
         self.bar: Bar | None = None
         self.button = pmui.Button(
-            label="Animate", icon="play_circle", variant="text", size="small", margin=(0, 4), on_click=self._toggle
+            label="Animate",
+            icon="play_circle",
+            variant="text",
+            size="small",
+            margin=(0, 4),
+            sx=FOR_TOUCH,
+            on_click=self._toggle,
         )
         self._place = pn.Column(margin=0, sizing_mode="stretch_width")
         self.param.watch(lambda _: self._follow(), "open")

@@ -9,6 +9,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from pwsviz.page.look import FOR_TOUCH
 from pwsviz.scene.names import LABELS as SETTINGS
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import window
@@ -69,7 +70,12 @@ class WindowFields(pn.viewable.Viewer):
         super().__init__()
         self.scene, self._seen, self._on_fit = scene, seen, on_fit
         self.button = pmui.IconButton(
-            icon="straighten", size="small", description=SETTINGS["window"], margin=2, on_click=self._toggle
+            icon="straighten",
+            size="small",
+            description=SETTINGS["window"],
+            margin=2,
+            sx=FOR_TOUCH,
+            on_click=self._toggle,
         )
         self.fields: list[NumberField] = []
         self.box = pn.Row(margin=(0, 8), sizing_mode="stretch_width", visible=False, stylesheets=[ROW_CSS])
@@ -79,6 +85,10 @@ class WindowFields(pn.viewable.Viewer):
         if self.box.visible:
             for field in self.fields:
                 field.sync()
+
+    def close(self) -> None:
+        """Hide the fields."""
+        self.box.visible = False
 
     def _toggle(self, _event: Any) -> None:
         if not self.fields:
