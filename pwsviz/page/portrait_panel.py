@@ -10,6 +10,7 @@ import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.portrait_text import (
+    SUMMARY,
     figures_of,
     law_markup,
     parted_words,
@@ -17,6 +18,7 @@ from pwsviz.figures.portrait_text import (
     portrait_note,
     which_start,
 )
+from pwsviz.figures.style import describe
 from pwsviz.figures.summaries import run_lines, run_words
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.plane import Plane
@@ -160,6 +162,7 @@ class PortraitPanel(pn.viewable.Viewer):
             name = self.scene.declaration.name
             words = f"{name}: compiling its integrators, which takes a few seconds the first time."
             self.status.object, self.note.object = as_text(words), ""
+            describe(self.portrait.figure, f"{SUMMARY} of another system, as long as this one is not ready. {words}")
             self._on_wait(words)
 
     def _submit_ground(self) -> None:

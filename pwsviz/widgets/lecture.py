@@ -25,8 +25,8 @@ REST = "calc(9.8rem + var(--header, 52px) - 52px)"
 TOLD = 0.5
 """Part of the height of the screen that a figure leaves free for what is told below it, at most."""
 
-LINES = 94
-"""Pixels of that which `REST` leaves free, three lines."""
+LINES = 3.9
+"""Part of that which `REST` leaves free in the same unit: three lines."""
 
 LOOK_AGAIN = 400
 """Milliseconds between looks for figures that have come since."""
@@ -96,10 +96,11 @@ export function render({ model }) {
       const { above = Infinity, below = Infinity } = found.get(panel) ?? {}
       found.set(panel, { above: Math.min(above, top - all.top + longer), below: Math.min(below, all.bottom - bottom) })
     }
+    const lines = LINES * parseFloat(getComputedStyle(document.documentElement).fontSize)
     for (const [panel, { above, below }] of found) {
       fitted.add(panel)
       const told = Math.min(below, TOLD * innerHeight)
-      panel.style.setProperty("--above", `${Math.round(above + Math.max(0, told - LINES))}px`)
+      panel.style.setProperty("--above", `${Math.round(above + Math.max(0, told - lines))}px`)
     }
   }
   const turn = on => {

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.browser.looking import await_painted, moments
+from tests.browser.looking import await_painted, becomes, moments
 from tests.browser.test_access import focused
 
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -124,9 +124,30 @@ def test_what_a_figure_shows_is_told_when_keys_move_it_and_which_start_runs_are_
     told = page.get_by_role("status")
     page.get_by_role("application", name=re.compile("Phase portrait")).focus()
     page.keyboard.press("ArrowRight")
-    told.filter(has_text=re.compile(r"In sight: x from -[\d.]+ to [\d.]+, y from -[\d.]+ to [\d.]+\.")).wait_for()
+    told.filter(has_text=re.compile(r"In sight: x from −[\d.]+ to [\d.]+, y from −[\d.]+ to [\d.]+\.")).wait_for()
+    moved = told.filter(has_text="In sight").text_content()
+    page.keyboard.press("0")
+    assert becomes(page, lambda: "In sight" in (now := " ".join(told.all_text_contents())) and moved not in now)
     page.get_by_role("button", name="Add a trajectory").click()
     told.filter(has_text="Start 2 of 2.").wait_for()
+
+
+def test_the_tip_of_a_list_makes_way_for_what_is_chosen_and_for_escape(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    examples = page.get_by_label("Examples").locator("visible=true")
+    tip = """one => getComputedStyle(one.closest(".bk-input-group"), "::before").content"""
+    examples.focus()
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Tab")
+    assert becomes(page, lambda: examples.evaluate(tip) != "none")
+    page.keyboard.press("Escape")
+    assert becomes(page, lambda: examples.evaluate(tip) == "none")
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Tab")
+    assert becomes(page, lambda: examples.evaluate(tip) != "none"), "it comes back"
+    page.keyboard.press("ArrowDown")
+    assert becomes(page, lambda: examples.evaluate(tip) == "none")
 
 
 def test_controls_are_told_where_the_system_chooses_the_colours(visit):
