@@ -11,9 +11,8 @@ __all__ = ["SEEN_NAME", "Choices"]
 
 CHOICES_CSS = """
 fieldset { position: relative; display: flex; flex-wrap: wrap; gap: 2px 12px; margin: 0; padding: 2px; border: none;
-           font-size: 1rem; color: var(--mui-palette-text-primary); }
+           font-size: 0.875rem; color: var(--mui-palette-text-primary); }
 fieldset:has([role=group]) { padding: 0; gap: 4px 12px; }
-[role=group] { font-size: 0.875rem; }
 [role=group] > b { display: block; font-weight: normal; font-size: 0.8rem; color: var(--mui-palette-text-secondary); }
 [role=group] > span { margin-right: 7px; }
 [role=group] input { margin-right: 4px; }
@@ -30,7 +29,6 @@ span[title]:not([title=""]):has(input:focus-visible)::after {
 
 
 SEEN_NAME = """
-fieldset { font-size: 0.875rem; }
 legend { position: static; float: left; width: auto; height: auto; clip-path: none; margin: 0 4px 0 0;
          line-height: 26px; color: var(--mui-palette-text-secondary); }
 """
