@@ -13,7 +13,7 @@ import numpy as np
 
 from core.diagnostics.made_again import anew
 from core.diagnostics.resolution import RUNS_AWAY, resolvable
-from core.integration.trajectory import Status, Trajectory
+from core.integration.trajectory import COMPARED, Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 
@@ -31,8 +31,6 @@ _UNEVEN = 0.381966
 _SHIFT = 0.1
 #: How a run ends whose orbit is known in part only.
 _UNFINISHED = (Status.NO_CONVERGENCE, Status.STEP_LIMIT)
-#: Most steps that are compared.
-_MOST = 50_000
 #: Part of the tolerance with which a method that chooses its steps takes shorter ones …
 _FINER = 2.0**-10
 #: … and by which its longest step is divided: between ends of steps the orbit is taken to be straight.
@@ -52,7 +50,7 @@ def led_astray(run: Trajectory) -> Iterator[str]:
     if asked is None or run.record != "steps" or not run.steps:
         return
     unmoved = replace(asked.settings, shift=0.0)
-    base = run if asked.settings.shift == 0.0 else anew(run, asked, replace(unmoved, max_steps=_MOST))
+    base = run if asked.settings.shift == 0.0 else anew(run, asked, replace(unmoved, max_steps=COMPARED))
     if adaptive:
         longest = run.tau or abs(float(run.t[-1] - run.t[0]))  # 0 of a run that has ended in its first step
         finer = replace(unmoved, tolerance=max(_FINER * unmoved.tolerance, _EPS), tau=longest / _PARTS)
@@ -60,7 +58,7 @@ def led_astray(run: Trajectory) -> Iterator[str]:
         finer = replace(unmoved, tau=0.5 * unmoved.tau)
     longer = 0.0 if run.system.laws.names_time else _SHIFT * (asked.t_end - asked.t0)  # the run may be early
     beyond = asked._replace(t_end=asked.t_end + longer)
-    if (t := _astray(base, anew(run, beyond, replace(finer, max_steps=3 * _MOST)))) is not None:
+    if (t := _astray(base, anew(run, beyond, replace(finer, max_steps=3 * COMPARED)))) is not None:
         shorter = "tolerance" if adaptive else "tau"
         along = "" if run.system.laws.names_time else ", even apart from a shift in time"
         yield (
@@ -71,7 +69,7 @@ def led_astray(run: Trajectory) -> Iterator[str]:
 
 def _astray(run: Trajectory, finer: Trajectory) -> float | None:
     """The first time, of those compared, at which a run is far from the orbit of another."""
-    way, last = 1.0 if run.t[-1] >= run.t[0] else -1.0, min(len(run.t), _MOST) - 1
+    way, last = 1.0 if run.t[-1] >= run.t[0] else -1.0, min(len(run.t), COMPARED) - 1
     times = run.t[0] + (run.t[last] - run.t[0]) * (np.arange(1, _TIMES + 1) - _UNEVEN) / (_TIMES - _UNEVEN)
     rows = np.unique(np.append(np.searchsorted(way * run.t[:last], way * times[:-1]), last))
     rows = rows[resolvable(run, run.t[rows]) & np.isfinite(run.x[rows]).all(axis=1)]  # at a pole every error grows

@@ -7,15 +7,13 @@ from dataclasses import replace
 from core.integration.finished import trajectory_of
 from core.integration.run_settings import Asked, Settings
 from core.integration.runner import Runner
-from core.integration.trajectory import Status, Trajectory
+from core.integration.trajectory import COMPARED, Status, Trajectory
 from core.methods import METHODS
 
 __all__ = ["anew", "with_steps"]
 
 #: How runs end of which the step that failed is not made again: to find out why it did takes long.
 _FAILED = (Status.NO_CONVERGENCE, Status.ESCAPED, Status.UNSTABLE, Status.SINGULAR, Status.CANCELLED)
-#: Most steps that are made again: some 10 ms, and the checks of them some 100 ms.
-_MOST = 50_000
 
 
 def with_steps(run: Trajectory) -> Trajectory:
@@ -25,7 +23,7 @@ def with_steps(run: Trajectory) -> Trajectory:
     """
     if run.record == "steps" or run.asked is None or run.steps == run.crossing_count == 0:
         return run
-    most = min(run.steps + (run.status not in _FAILED), _MOST)
+    most = min(run.steps + (run.status not in _FAILED), COMPARED)  # some 10 ms, and the checks of them some 100 ms
     again = anew(run, run.asked, replace(run.asked.settings, max_steps=most))
     if again.steps < run.steps:
         return again

@@ -53,7 +53,7 @@ END = np.dtype(
 WANTED = np.dtype(
     [
         ("events", np.int64),  # 1: events; 0: crossings
-        ("surface", np.int64),  # those of this surface; −1: of all
+        ("surface", np.int64),  # those of this surface; ANY_SURFACE: of any; −1: all
         ("way", np.int64),  # 1: where its switching function rises, −1: where it falls, 0: both
         ("discard", np.int64),  # but for so many of the first of each member
         ("most", np.int64),  # at most so many of each, which ends with the last

@@ -68,6 +68,8 @@ def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
         growth = runner.follow(t, x, end, step, size) or growth_of(system, name, t, x, end, size, cancel)
     if growth is None:
         return Status.CANCELLED if cancel is not None and cancel() else runner.status, None
+    if growth is Growth.BOUNDED and grown and float(np.abs(x).max()) > GROWTH * (size or 1.0):
+        growth = Growth.LARGE  # it had grown before the mode was entered, in which it turns at bounds
     if growth is Growth.BOUNDED:
         return Status.UNSTABLE if grown else runner.status, growth
     if runner.status is not Status.ESCAPED:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integration.events import NOTHING, Watched
+from core.transition.records import ANY_SURFACE
 from core.transition.status import CROSSING_KINDS
 
 __all__ = ["ALL", "Asked", "CrossingsOf", "Settings"]
@@ -22,7 +23,7 @@ class CrossingsOf(NamedTuple):
     """The first crossings of a surface."""
 
     surface: int = -1
-    """Its number; −1: of all."""
+    """Its number; `records.ANY_SURFACE`: of any; −1: all, also where sliding ends by itself."""
     way: int = 0
     """1: those where its switching function rises, −1: where it falls, 0: both."""
     most: int = 2**62
@@ -42,9 +43,9 @@ class CrossingsOf(NamedTuple):
         sides
             `Laws.sides`.
         """
-        which: NDArray[np.bool_] = (hits["rate_before"] * self.way >= 0.0) & (
-            (self.surface < 0) | (hits["surface"] == self.surface)
-        )
+        of_it = (self.surface == -1) | (hits["surface"] == self.surface)
+        of_it |= (self.surface == ANY_SURFACE) & (hits["surface"] >= 0)
+        which: NDArray[np.bool_] = (hits["rate_before"] * self.way >= 0.0) & of_it
         if 0 <= self.surface < sides.shape[1]:
             change = sides[hits["mode"], self.surface] - sides[before, self.surface]
             which = np.where(hits["kind"] == _CORNER, (change != 0) & (change * self.way >= 0), which)

@@ -26,7 +26,10 @@ from core.system import PiecewiseSystem
 from core.transition.records import NO_MODE
 from core.transition.status import Status
 
-__all__ = ["Status", "Trajectory"]
+__all__ = ["COMPARED", "Status", "Trajectory"]
+
+#: Steps of a run, the first ones, that are compared with shorter ones.
+COMPARED = 50_000
 
 #: Number of recorded states at which the size of ψ is evaluated.
 _SAMPLE = 500
@@ -195,8 +198,9 @@ class Trajectory:
 
     @cached_property
     def message(self) -> str:
-        """The outcome, and the warning."""
-        return f"{self.outcome} {self.warning}".strip()
+        """The outcome, the warning, and of a long run how much of it has been looked into for that."""
+        part = f"Only the first {COMPARED:,} of {self.steps:,} steps were compared with shorter ones."
+        return " ".join(filter(None, (self.outcome, self.warning, part * (self.steps > COMPARED))))
 
     def conserved_error(self, exits: bool = True) -> Floats:
         """ψ of the mode occupied, less its value where that mode was entered, evaluated in double-double.

@@ -8,6 +8,7 @@ import sympy
 
 from core.symbolic.expressions import parse
 from core.system import PiecewiseSystem
+from core.transition.records import ANY_SURFACE
 
 __all__ = ["Surface", "own_surface"]
 
@@ -16,9 +17,13 @@ class Surface(NamedTuple):
     """A surface of a system."""
 
     number: int
-    """Number of the surface; −1 for all."""
+    """Number of the surface; `records.ANY_SURFACE` for all."""
     sign: int = 1
     """Sign with which the system has its function: a guard may be the negative of another one."""
+
+    def has(self, number: int) -> bool:
+        """Whether a surface of the system, by its number, is this one or one of these."""
+        return self.number in (ANY_SURFACE, number)
 
 
 def own_surface(system: PiecewiseSystem, function: str | None) -> Surface | None:
@@ -35,7 +40,7 @@ def own_surface(system: PiecewiseSystem, function: str | None) -> Surface | None
         If the function makes no sense.
     """
     if function is None:
-        return Surface(0 if system.two_sided else -1)
+        return Surface(0 if system.two_sided else ANY_SURFACE)
     names = (*system.variables, *(q.name for q in system.parameters))
     wanted = sympy.expand(parse(function, names, "of")).primitive()[1]
     for number, surface in enumerate(system.laws.surfaces):

@@ -57,17 +57,18 @@ def target_of(
     t0, end = span
     if end is None:
         end = _default_end(exact, t0)
+    times = _crossing_times(exact, end)
+    lost = exact.error  # of its crossings alone: at the end a jump may be at hand
     try:
         x = exact.state(end)
     except ValueError as why:
         raise ValueError(f"there is no reference until t = {end:g}: {why}; take an earlier end time") from None
-    times = _crossing_times(exact, end)
     labels = [exact.side(t0), *(exact.entered(k + 1) for k in range(len(times)))]
     crossings = CrossingSequence.labelled(system, times, labels)
     size = max(float(np.linalg.norm(x0)), float(np.linalg.norm(x)))
-    if exact.error > _LOST * size:
+    if times and lost > _LOST * _size_between(exact, (t0, *times, end)):
         raise ValueError(
-            f"there is no reference until t = {end:g}: its error, {exact.error:.1g}, has grown to a part of the state "
+            f"there is no reference until t = {end:g}: its error, {lost:.1g}, has grown to a part of the state "
             "that leaves its crossings in doubt; take an earlier end time"
         )
     estimate = _OF_ESTIMATE * exact.error
@@ -77,6 +78,12 @@ def target_of(
         "invariant": _ROUND_OFF * _largest_psi_size(system, exact, (t0, *times, end)),
     }
     return Target(t0, end, x, crossings, exact.name, floor)
+
+
+def _size_between(exact: Solution, times: tuple[float, ...]) -> float:
+    """Largest norm of the solution halfway between some times, and at them but the last."""
+    instants = [*times[:-1], *((a + b) / 2 for a, b in pairwise(times))]
+    return max(float(np.linalg.norm(exact.state(t))) for t in instants)
 
 
 def _largest_psi_size(system: PiecewiseSystem, exact: Solution, times: tuple[float, ...]) -> float:

@@ -2,10 +2,24 @@
 
 import numpy as np
 
-__all__ = ["EVENT", "GUARD", "HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "NO_MODE", "ROW", "RUN"]
+__all__ = [
+    "ANY_SURFACE",
+    "EVENT",
+    "GUARD",
+    "HIT",
+    "JUMP_ANYWHERE",
+    "JUMP_TO_SURFACE",
+    "NO_JUMP",
+    "NO_MODE",
+    "ROW",
+    "RUN",
+]
 
 #: Mode of a run that has not entered any yet, or that has stopped at a surface; row where there is no mode.
 NO_MODE = -1
+
+#: In place of the number of a surface: any of them.
+ANY_SURFACE = -2
 
 #: Jump of a guard: none; to a state whose mode is given by the sign of g there; or to a state on the surface.
 NO_JUMP, JUMP_ANYWHERE, JUMP_TO_SURFACE = 0, 1, 2

@@ -29,7 +29,7 @@ from core.transition.entering import begin_mode, enter_mode, set_mode
 from core.transition.event_location import TOUCH
 from core.transition.passes import keep_crossing
 from core.transition.plain_steps import look_at
-from core.transition.records import JUMP_TO_SURFACE, NO_JUMP, NO_MODE
+from core.transition.records import ANY_SURFACE, JUMP_TO_SURFACE, NO_JUMP, NO_MODE
 from core.transition.status import CROSSING_KINDS, Status
 from core.transition.surface import (
     MARGIN,
@@ -385,8 +385,12 @@ def record_crossing(run, hit, kind, mode, status):
 
 @internal
 def is_wanted(hit, surface, way):
-    """Whether a crossing is of a surface (any: −1), and its switching function has the sign `way` then (any: 0)."""
-    return (surface < 0 or hit.surface == surface) and hit.rate_before * way >= 0.0
+    """Whether a crossing is of a surface, and its switching function has the sign `way` then (any: 0).
+
+    For `ANY_SURFACE`, one of any surface; for −1 all crossings, also where sliding ends by itself.
+    """
+    of_it = surface == -1 or hit.surface == surface or (surface == ANY_SURFACE and hit.surface >= 0)
+    return of_it and hit.rate_before * way >= 0.0
 
 
 @inlined

@@ -71,7 +71,7 @@ def _ways(system: core.PiecewiseSystem, of: str) -> Iterator[tuple[Mode, Way]]:
     own = own_surface(system, of or None)
     for mode, ways in zip(system.laws.regions, system.laws.ways, strict=True):
         for way in ways:
-            if own is not None and own.number in (-1, way.surface) and (way.to is not None or way.jump is not None):
+            if own is not None and own.has(way.surface) and (way.to is not None or way.jump is not None):
                 yield mode, way
 
 

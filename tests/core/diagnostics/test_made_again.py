@@ -7,7 +7,8 @@ import pytest
 
 import core
 from core import Status
-from core.diagnostics.made_again import _MOST, with_steps
+from core.diagnostics.made_again import with_steps
+from core.integration.trajectory import COMPARED
 
 RECORDS = ("steps", "crossings", "end")
 FORCED = core.PiecewiseSystem(
@@ -65,7 +66,7 @@ def test_the_crossing_at_which_a_run_ends_is_made_again():
 def test_of_a_long_run_the_first_steps_are_made_again():
     run = core.integrate("elliptic_curve", (0.0, 1000.0), tau=0.01, record="end")
     again = with_steps(run)
-    assert (run.steps, again.steps, again.status) == (100_000, _MOST, Status.STEP_LIMIT)
+    assert (run.steps, again.steps, again.status) == (100_000, COMPARED, Status.STEP_LIMIT)
 
 
 def test_why_a_step_has_failed_is_not_found_out_again():

@@ -41,6 +41,18 @@ def test_a_field_that_ends_and_a_stiff_one_are_left_to_the_implicit_method():
     assert follow("-1e9*(x - 1)", "rk8", 2.0, 1e4) is None
 
 
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-12, 1e-15])
+@pytest.mark.parametrize("growth", [0.1, 0.2, 0.35])
+def test_a_solution_that_grows_from_crossing_to_crossing_is_not_taken_for_steps_too_long(growth, tolerance):
+    """Between two crossings it turns within bounds, but it has grown to 1e150 before, whatever the tolerance is."""
+    growing = core.PiecewiseSystem(
+        "Growing", ("x", "y"), ("y", "-x + b*y"), ("y", "-2*x + b*y"), "x", parameters={"b": growth}, x0=(1.0, 0.0)
+    )
+    run = core.integrate(growing, (0.0, 8000.0), method="taylor", tolerance=tolerance, record="crossings")
+    assert run.status is core.Status.ESCAPED
+    assert np.abs(run.x[-1]).max() > 1e148
+
+
 def test_a_run_beyond_bounds_tells_a_pole_from_an_exponential():
     for f, x0, t_end, word in (("x**2", 1.0, 2.0, "beyond bounds"), ("x", 1.0, 400.0, "without a pole")):
         system = core.PiecewiseSystem("one law", ("x",), f_minus=(f,), f_plus=(f,), g="x + 1e9", x0=(x0,))

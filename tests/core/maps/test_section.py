@@ -70,6 +70,21 @@ def test_a_member_ends_with_its_last_point(name, sliding, tau, points, method, d
     assert end.warning(0) == run.warning
 
 
+@pytest.mark.parametrize("direction", [1, -1, 0])
+def test_points_of_all_surfaces_are_those_of_each_and_none_where_sliding_ends_by_itself(direction):
+    rubbing = core.PiecewiseSystem.from_field(
+        ("x", "y", "u", "v"),
+        ("u", "v", "-x - 0.3*sign(u) + 0.5*cos(t) + 0.2*y", "-2*y - 0.2*sign(v) + 0.4*sin(1.3*t) + 0.2*x"),
+        x0=(1.0, 1.0, 0.2, 0.1),
+    )
+    how = {"points": 100, "direction": direction, "method": "rk4", "tau": 0.01, "sliding": "continue"}
+    each, all_of_them = ([core.section(rubbing, (0.0, 50.0), of=of, **how).t for of in some] for some in ("uv", [None]))
+    assert len(all_of_them[0]) > 10
+    assert np.array_equal(np.sort(np.concatenate(each)), all_of_them[0])
+    kinds = core.integrate(rubbing, (0.0, 50.0), method="rk4", tau=0.01, sliding="continue").crossings.kind
+    assert "leaving" in kinds, "sliding ends by itself somewhere"
+
+
 def test_states_keep_their_invariants_through_surfaces_of_sections():
     start = core.CATALOGUE["henon_heiles"].x0
     found = core.section("henon_heiles", (0.0, 1e5), of="y", points=300, direction=1, coordinates=("x", "u"), tau=0.05)

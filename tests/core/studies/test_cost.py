@@ -43,6 +43,17 @@ def test_there_is_no_reference_where_its_own_error_leaves_crossings_in_doubt():
             measured({"rk8": (0.001,)}, LORENZ, (0.0, end), x0=x0)
 
 
+def test_a_reference_is_not_in_doubt_for_a_small_state_at_the_end_or_a_jump_there():
+    swing = core.PiecewiseSystem("Swing", ("x",), ("cos(t)*(1 + x**2)",), ("cos(t)*(1 + x**2)",), "x - 0.5", x0=(0.0,))
+    drag = core.PiecewiseSystem(
+        "Drag", ("y", "v"), ("v", "-1 - 0.3*v**3"), ("v", "-1 - 0.3*v**3"), "y", jump=("0", "-0.6*v"), x0=(1.0, 0.0)
+    )
+    assert measured({"rk4": (0.01,)}, swing, (0.0, 2 * math.pi)).curves[0].status == (DONE,)
+    impact = float(core.reference_solution(drag).crossing(1)[0])
+    for end in (impact, np.nextafter(impact, 2.0), impact + 1e-14):
+        measured({"rk4": (0.01,)}, drag, (0.0, float(end)))  # where the state is on either side of the jump
+
+
 def test_the_state_error_is_the_distance_from_where_the_orbit_closes(study):
     for name, key in (("dmm2", "tau"), ("rk4", "tau"), ("taylor", "tolerance")):
         one = curve(study, name)
