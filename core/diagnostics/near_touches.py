@@ -39,6 +39,8 @@ _NEAR = 8.0
 _LATER = 2.0**-7
 #: Longest way to the least height, in steps.
 _FARTHEST = 32
+#: Time by which another run may be earlier or later, as part of the time since the start, and at most in steps.
+_SHIFTED, _MOST_SHIFTED = 0.1, 512.0
 #: How often steps are halved, at most, to meet a tolerance.
 _HALVINGS = 6
 #: Trial steps to the least height.
@@ -55,6 +57,13 @@ class _Place(NamedTuple):
     x: Floats
     mode: int
     guard: int
+
+
+class _There(NamedTuple):
+    """A state of another run."""
+
+    t: float
+    x: Floats
 
 
 class _Least(NamedTuple):
@@ -220,21 +229,46 @@ class _Search:
         """Twice the change of the least height in a run with smaller steps; inf where that one leads elsewhere.
 
         Both are compared from a state on that the other run, too, has before it meets the surface, if it does. It may
-        be earlier or later on the same way: that changes no height.
+        be earlier or later on the same way: that changes no height, unless the laws depend on the time.
         """
         if self.run.steps > _MOST_STEPS:
             return self.local_error(place, least)
         before = max(self.lead(least) - self.way * (least.t - place.t), 0.0)
         t = place.t - self.way * min(before, 0.5 * since)
-        again = _again(self.run, self.longest)
-        if again.advance(t, record=False, keep_hits=False) is not Status.COMPLETED or again.mode != place.mode:
+        here = self.after(place, t - place.t)
+        if (there := self.same_place(place.mode, t, here)) is None:
             return math.inf
-        other = self.least(_Place(t, again.x, place.mode, place.guard), least.t - t - self.ahead(place, t, again.x))
+        to_least = least.t - t - self.ahead(place, t, here, there.x)
+        other = self.least(_Place(there.t, there.x, place.mode, place.guard), to_least)
         return math.inf if other is None else 2.0 * abs(other.height - least.height)
 
-    def ahead(self, place: _Place, t: float, x: Floats) -> float:
-        """Time by which a state is ahead of the run at the same time, on the same way; 0 if that is far."""
-        here, laws = self.after(place, t - place.t), self.run.system.laws
+    def same_place(self, mode: int, t: float, here: Floats) -> _There | None:
+        """Where a run with smaller steps is in the same mode and nearest to a state of this run; None if nowhere.
+
+        That is at the same time, if the laws depend on it; else some time earlier or later.
+        """
+        again, shift = _again(self.run, self.longest), 0.0
+        if not self.run.system.laws.names_time:
+            shift = min(_SHIFTED * abs(t - self.run.t[0]) + _NEAR * self.longest, _MOST_SHIFTED * self.longest)
+        begin = t - self.way * min(shift, abs(t - self.run.t[0]))
+        if again.advance(begin, record=False, keep_hits=False) is not Status.COMPLETED:
+            return None
+        found = [_There(begin, again.x)] * (again.mode == mode)
+        if shift > 0.0:
+            again.advance(t + self.way * shift, record=True, keep_hits=False)
+            found += [
+                _There(float(row["t"]), x)
+                for rows, states in again.rows
+                for row, x in zip(rows, states, strict=True)
+                if row["mode"] == mode
+            ]
+        size = np.ptp([one.x for one in found], axis=0) if found else here
+        size = np.where(size > 0.0, size, np.inf)
+        return min(found, key=lambda one: float(np.abs((one.x - here) / size).max()), default=None)
+
+    def ahead(self, place: _Place, t: float, here: Floats, x: Floats) -> float:
+        """Time by which a state is ahead of one of the run, at time t, on the same way; 0 if that is far."""
+        laws = self.run.system.laws
         field = laws.mode(place.mode).written.field
         f = laws.evaluate(("field", place.mode), field, np.array([t]), here[None], self.run.system.parameter_array)[0]
         with np.errstate(all="ignore"):
