@@ -152,7 +152,9 @@ def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
     """Say where the tangency is."""
     name = variable_name(study.coordinate_name)
     if not grazing.found:
-        return f"No tangency was found: for no {name} in the range searched does the trajectory touch the surface."
+        low, high = grazing.between
+        where = f"{name} from {low:.4g} to {high:.4g}"
+        return f"No tangency was found: for no {where} does the trajectory touch the surface."
     size = max(np.abs(grazing.state).max(), np.abs(study.x0).max())
     place = ", ".join(f"{0.0 if abs(v) < ROUND_OFF * size else v:.4g}" for v in grazing.state)
     start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g},"

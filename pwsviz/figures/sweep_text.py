@@ -20,7 +20,7 @@ from pwsviz.results.sweeps import NO_CROSSING, NO_START, Diagram
 from pwsviz.scene.names import met_at_surfaces, readable, short_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import at_surface, listed, plural
+from pwsviz.text.words import FEW, at_surface, listed, listed_or_counted, plural
 
 __all__ = [
     "SUMMARY",
@@ -77,12 +77,13 @@ def examined_words(found: Diagram) -> str:
     """Return which runs are examined, and which of them are in doubt; empty where none are examined."""
     if not len(found.examined):
         return ""
-    which = "those in which rates change most, and others all over the range"
+    which = "those whose rates of change differ most from step to step, and others all over the range"
     words = f"Of the {plural(int(found.done.sum()), 'run')}, {len(found.examined):,} were examined for errors: {which}."
     if not len(found.warned):
-        return f"{words} Nothing is said against them."
+        return f"{words} No sign of an error was found in them."
     values = [f"{value:.6g}" for value in found.warned]
-    return f"{words} Dotted lines mark those in doubt, at {parameter_name(found.inputs)} = {listed(values)}."
+    at = f"at {parameter_name(found.inputs)} = " * (len(values) <= FEW)
+    return f"{words} Dotted lines mark those in doubt, {at}{listed_or_counted(values, '{} of them')}."
 
 
 def ending(code: int) -> Outcome:

@@ -25,6 +25,7 @@ from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import Results
+from pwsviz.scene.examples import example_of
 from pwsviz.scene.history import History
 from pwsviz.scene.names import named_settings
 from pwsviz.scene.permalink import adopt, query
@@ -83,7 +84,7 @@ class Explorer(pn.viewable.Viewer):
         self.scene = scene or Scene()
         self.results = results or RESULTS
         self.notice = text_pane("")
-        self._example: Preset | None = None  # that a page shows which is opened without a link
+        self._example: Preset | None = None  # that a page shows when it is opened
         if scene is None and pn.state.location is not None:
             self._begin(pn.state.location.search)  # before anything is computed
         self.scheduler, self.history = Scheduler(), History(self.scene)
@@ -319,6 +320,7 @@ class Explorer(pn.viewable.Viewer):
         """Show the scene of a link, or without one the first example."""
         if search not in ("", "?"):
             self.adopt(search)
+            self._example = example_of(self.scene)
         else:
             self._example = PRESETS[FIRST_LOOK]
             self.scene.load(self._example.settings)

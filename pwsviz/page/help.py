@@ -83,7 +83,7 @@ _USE = (
     "“Write your own …” takes the laws of both sides of a surface, or one law with sign, abs, max and so on, in which "
     "up to six surfaces are found; or, behind “Several surfaces, walls, hysteresis”, the law of each region. Conserved "
     "quantities are checked as you type.",
-    "The address contains the whole scene; opening it restores the scene.",
+    "The address contains the scene and the settings of the view that is shown; opening it restores them.",
 )
 
 _KEYS = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -65,6 +66,9 @@ DEFECT = "The portrait could not be drawn, by a defect of this page ({!r}). Undo
 
 WARNS = 'class="stopped"'
 """Part of the markup of words about runs that says of one that it may not be trusted; it stays by the portrait."""
+
+DOUBTS = re.compile("stops? early|warning")
+"""What of the words on other starts is no less than a warning."""
 
 FEW = 3
 """Most runs whose figures stay there, too."""
@@ -238,7 +242,7 @@ class PortraitPanel(pn.viewable.Viewer):
         warnings = self._warnings_of(shown)
         words = "".join(
             [
-                as_text(figures_of(shown, warnings), "which"),
+                as_text(figures := figures_of(shown, warnings), "stopped" if DOUBTS.search(figures) else "which"),
                 as_text(perturbed_words(shown.inputs.selected[0])),
                 run_lines(shown.summaries, warnings),
                 as_text(parted_words(shown), "stopped"),

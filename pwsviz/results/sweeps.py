@@ -23,7 +23,7 @@ from pwsviz.scene.names import short_name
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 from pwsviz.text.advice import on_page
-from pwsviz.text.words import listed
+from pwsviz.text.words import listed_or_counted
 
 __all__ = ["NO_CROSSING", "NO_START", "Diagram", "coarse_to_fine", "sweep_arguments", "swept", "swept_values"]
 
@@ -241,7 +241,8 @@ class _Runs:
     def _said(self, words: dict[float, str]) -> str:
         """What is said against the run of the first of some values, and at which others, in other numbers."""
         first, *others = words
-        likewise = f" Likewise at {listed([f'{value:.6g}' for value in sorted(others)])}." if others else ""
+        values = [f"{value:.6g}" for value in sorted(others)]
+        likewise = f" Likewise at {listed_or_counted(values, '{} other values')}." if values else ""
         return f"{short_name(self._parameter)} = {first:.6g}: {words[first]}{likewise}"
 
     def _to_examine(self) -> list[_Run]:

@@ -46,6 +46,9 @@ def perturbation(order: int, scale: float) -> str:
     return printed(f"{factor}τ{str(order).translate(RAISED) if order != 1 else ''}")
 
 
+FEW = 4
+"""Values that a sentence lists."""
+
 STEPS_MARKED = "Dots are the ends of steps, between which the integrators interpolate."
 """What captions say of curves on which steps are marked."""
 
@@ -58,6 +61,11 @@ def whose_marks(methods: Sequence[str], crossings: int) -> str:
     """Say of several integrators whose crossings or jumps are marked, if any, and whose sides are shaded, if any."""
     shown = "Marks at surfaces and any shading refer" if crossings else "Any shading refers"
     return f"{shown} to {methods[0]}." if len(methods) > 1 else ""
+
+
+def listed_or_counted(values: Sequence[str], counted: str) -> str:
+    """Return up to `FEW` values as a list; of more of them only how many, in these words: “{} of them”."""
+    return listed(values) if len(values) <= FEW else counted.format(len(values))
 
 
 def plural(count: int, noun: str) -> str:

@@ -22,8 +22,8 @@ LABELS = 1.1
 REST = "calc(9.8rem + var(--header, 52px) - 52px)"
 """CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
-TOLD = 0.5
-"""Part of the height of the screen that a figure leaves free for what is told below it, at most."""
+TOLD, TOLD_OF_RUNS = 0.5, 0.36
+"""Part of the height of the screen that a figure leaves free for what is told below it, at most; less the portrait."""
 
 LINES = 3.9
 """Part of that which `REST` leaves free in the same unit: three lines."""
@@ -99,7 +99,7 @@ export function render({ model }) {
     const lines = LINES * parseFloat(getComputedStyle(document.documentElement).fontSize)
     for (const [panel, { above, below }] of found) {
       fitted.add(panel)
-      const told = Math.min(below, TOLD * innerHeight)
+      const part = panel.classList.contains("portrait") ? OF_RUNS : TOLD, told = Math.min(below, part * innerHeight)
       panel.style.setProperty("--above", `${Math.round(above + Math.max(0, told - lines))}px`)
     }
   }
@@ -154,6 +154,7 @@ export function render({ model }) {
         .replace("WIDE", str(SCREEN[0]))
         .replace("HIGH", str(SCREEN[1]))
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
+        .replace("OF_RUNS", str(TOLD_OF_RUNS))
         .replace("TOLD", str(TOLD))
         .replace("LINES", str(LINES))
         .replace("REST", REST)

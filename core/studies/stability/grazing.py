@@ -43,8 +43,10 @@ class Grazing(Brief):
 
     searched: bool
     """Whether a tangency was sought; otherwise the rest has no meaning."""
+    between: tuple[float, float]
+    """Least and greatest value of the coordinate of x₀ between which a tangency was sought."""
     value: float
-    """Value of the coordinate of x₀ at the tangency; nan if none lies between the values tried."""
+    """Its value at the tangency; nan if none lies between these."""
     time: float
     """Time at which the surface is touched."""
     state: Floats
@@ -135,6 +137,7 @@ def _empty(plan: Plan, tangency: Tangency | None) -> Grazing:
     return Grazing(
         searched=True,
         value=value,
+        between=(float(plan.values[0]), float(plan.values[-1])),
         time=tangency.time if tangency else np.nan,
         state=tangency.state if tangency else np.full(plan.system.dimension, np.nan),
         tau=plan.tau,
