@@ -81,6 +81,15 @@ def test_a_step_through_a_root_is_told_though_others_have_no_solution(draws, met
     assert told, "no case loses its order"
 
 
+@pytest.mark.parametrize("tau", [0.04, 0.02, 0.01])
+def test_a_step_to_a_root_that_has_no_halves_hides_no_step_from_there(tau):
+    """Of the step to x = 0 two halves have no solution with the field of x > 0: a stage is beyond."""
+    system = core.PiecewiseSystem.from_field(("x",), ("-2.481*abs(x)**(1/3) - 0.972",), x0=(0.678,))
+    run = core.integrate(system, (0.0, 0.349), tau=tau, method="rk8")
+    assert run.crossing_count == 1
+    assert "too long for rk8 to keep its order" in run.warning
+
+
 @pytest.mark.parametrize("method", [*METHODS, "rk2"])
 def test_a_step_far_from_the_border_is_not_said_to_lose_its_order(draws, method):
     for rng in draws(12):
