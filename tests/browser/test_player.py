@@ -77,7 +77,7 @@ def test_the_animation_ends_where_another_example_or_system_is_chosen(shown):
 def test_in_a_lecture_the_space_bar_opens_the_animation_and_scrolls_nothing(shown):
     page = shown()
     page.keyboard.press("l")
-    page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
+    page.wait_for_function("() => document.documentElement.style.getPropertyValue('--usual') == 'none'")
     page.keyboard.press("Space")
     page.get_by_role("button", name="Pause", exact=True).wait_for()
     assert page.evaluate(SCROLLED) == 0
