@@ -41,6 +41,8 @@ _LATER = 2.0**-7
 _FARTHEST = 32
 #: Time by which another run may be earlier or later, as part of the time since the start, and at most in steps.
 _SHIFTED, _MOST_SHIFTED = 0.1, 512.0
+#: Distance from a state, as part of the range of each coordinate, at which another run is near.
+_NEARBY = 0.05
 #: How often steps are halved, at most, to meet a tolerance.
 _HALVINGS = 6
 #: Trial steps to the least height.
@@ -243,9 +245,10 @@ class _Search:
         return math.inf if other is None else 2.0 * abs(other.height - least.height)
 
     def same_place(self, mode: int, t: float, here: Floats) -> _There | None:
-        """Where a run with smaller steps is in the same mode and nearest to a state of this run; None if nowhere.
+        """Where a run with smaller steps is in the same mode and place as this run; None if nowhere.
 
-        That is at the same time, if the laws depend on it; else some time earlier or later.
+        That is at the same time, if the laws depend on it; else some time earlier or later: where it comes near to a
+        state of this run, on its turn next in time, as another turn may be elsewhere.
         """
         again, shift = _again(self.run, self.longest), 0.0
         if not self.run.system.laws.names_time:
@@ -253,18 +256,22 @@ class _Search:
         begin = t - self.way * min(shift, abs(t - self.run.t[0]))
         if again.advance(begin, record=False, keep_hits=False) is not Status.COMPLETED:
             return None
-        found = [_There(begin, again.x)] * (again.mode == mode)
-        if shift > 0.0:
-            again.advance(t + self.way * shift, record=True, keep_hits=False)
-            found += [
-                _There(float(row["t"]), x)
-                for rows, states in again.rows
-                for row, x in zip(rows, states, strict=True)
-                if row["mode"] == mode
-            ]
-        size = np.ptp([one.x for one in found], axis=0) if found else here
-        size = np.where(size > 0.0, size, np.inf)
-        return min(found, key=lambda one: float(np.abs((one.x - here) / size).max()), default=None)
+        if shift == 0.0:
+            return _There(begin, again.x) if again.mode == mode else None
+        again.advance(t + self.way * shift, record=True, keep_hits=False)
+        if not again.rows:
+            return None
+        rows, x = (np.concatenate(parts) for parts in zip(*again.rows, strict=True))
+        times, x = rows["t"][rows["mode"] == mode], x[rows["mode"] == mode]
+        if not len(times):
+            return None
+        size = np.ptp(x, axis=0)
+        distance = np.abs((x - here) / np.where(size > 0.0, size, np.inf)).max(axis=1)
+        near = np.flatnonzero(distance <= max(_NEARBY, 2.0 * float(distance.min())))
+        k = int(near[np.argmin(np.abs(times[near] - t))])
+        while (nearer := min(max(k - 1, 0), k, min(k + 1, len(times) - 1), key=distance.__getitem__)) != k:
+            k = nearer
+        return _There(float(times[k]), x[k])
 
     def ahead(self, place: _Place, t: float, here: Floats, x: Floats) -> float:
         """Time by which a state is ahead of one of the run, at time t, on the same way; 0 if that is far."""

@@ -22,6 +22,35 @@ def test_a_shift_in_time_along_the_orbit_is_not_taken_for_a_distance_from_the_su
     assert WORDS not in run.warning, run.warning
 
 
+#: Method, tau, damping, frequency, end, number of the turn whose greatest x is about the level, and how far it is off.
+TURNS = [
+    ("rk4", 0.4910068382972008, -0.020930660814525968, 1.4176610337689262, 66.10004265025286, 13, 0.014836744022685977),
+    (
+        "rk2",
+        0.20455415675332006,
+        -0.017543428832886242,
+        1.0096201508772658,
+        116.89123341675703,
+        18,
+        5.498827416650087e-4,
+    ),
+]
+
+
+@pytest.mark.parametrize(("method", "tau", "damping", "frequency", "end", "turn", "off"), TURNS)
+def test_on_a_spiral_a_turn_is_compared_with_the_same_turn(method, tau, damping, frequency, end, turn, off):
+    """Another turn of the run in half steps may come nearer than the same one, and the level not be in doubt there."""
+    w = float(np.sqrt(frequency**2 - damping**2))
+    level = float(np.exp(-2 * np.pi * turn * damping / w)) * (1.0 + off)
+    field = ("v", f"-{frequency**2!r}*x - {2 * damping!r}*v")
+    swing = core.PiecewiseSystem("Swing", ("x", "v"), field, field, f"x - {level!r}", x0=(1.0, 0.0))
+    t = np.linspace(0.0, end, 200_001)
+    above = np.exp(-damping * t) * (np.cos(w * t) + damping / w * np.sin(w * t)) > level
+    run = core.integrate(swing, (0.0, end), tau=tau, method=method)
+    assert run.crossing_count != np.count_nonzero(np.diff(above)), "it meets the level at other turns"
+    assert WORDS in run.warning
+
+
 def test_a_touch_late_in_a_run_is_told_all_the_same():
     """From where the orbit touches the circle it comes back to it after each turn, at a shift in time."""
     x = float(np.roots([3.0, 2.0, -3.0]).min())  # where x² + y² is largest on the curve y² = x³ − 3x − 1
