@@ -21,7 +21,7 @@ from core.kernels.digest import source_digest
 from core.kernels.jit import OPTIONS, internal
 from core.transition.records import EVENT, GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
-from core.transition.switching import is_wanted
+from core.transition.surface import is_wanted
 
 __all__ = [
     "ABANDONED", "ASKS", "COUNTERS", "DONE", "END", "FAILED", "FAILURES", "NEXT", "ROOM", "USED", "WANTED",

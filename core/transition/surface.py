@@ -15,10 +15,11 @@ from core.kernels.abi import EVALUATE, LEVEL_RESIDUAL, RATES, ROUNDING_OF_G, G, 
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import inlined, internal
 from core.transition.plain_steps import look_at
+from core.transition.records import ANY_SURFACE
 
 __all__ = [
     "MARGIN", "Log", "accept_step", "advance_time", "contradicts", "evaluate_g", "evaluate_rates", "evaluate_switching",
-    "guards_contradict", "is_contradicted", "is_on_surface", "record_place", "widen_envelope",
+    "guards_contradict", "is_contradicted", "is_on_surface", "is_wanted", "record_place", "widen_envelope",
 ]  # fmt: skip
 
 _EPS = 2.0**-52
@@ -136,3 +137,13 @@ def is_contradicted(context, h):
         return False
     moved = _EPS * (abs(run.t) + abs(h)) * max(abs(w[RATES]), abs(w[RATES + 1]))
     return -run.sign * w[G] > MARGIN * (w[ROUNDING_OF_G] + moved)
+
+
+@internal
+def is_wanted(hit, surface, way):
+    """Whether a crossing is of a surface, and its switching function has the sign `way` then (any: 0).
+
+    For `ANY_SURFACE`, one of any surface; for −1 all crossings, also where sliding ends by itself.
+    """
+    of_it = surface == -1 or hit.surface == surface or (surface == ANY_SURFACE and hit.surface >= 0)
+    return of_it and hit.rate_before * way >= 0.0

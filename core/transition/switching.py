@@ -29,7 +29,7 @@ from core.transition.entering import begin_mode, enter_mode, set_mode
 from core.transition.event_location import TOUCH
 from core.transition.passes import keep_crossing
 from core.transition.plain_steps import look_at
-from core.transition.records import ANY_SURFACE, JUMP_TO_SURFACE, NO_JUMP, NO_MODE
+from core.transition.records import JUMP_TO_SURFACE, NO_JUMP, NO_MODE
 from core.transition.status import CROSSING_KINDS, Status
 from core.transition.surface import (
     MARGIN,
@@ -37,11 +37,12 @@ from core.transition.surface import (
     evaluate_switching,
     is_contradicted,
     is_on_surface,
+    is_wanted,
     record_place,
     widen_envelope,
 )
 
-__all__ = ["is_wanted", "switch_mode"]
+__all__ = ["switch_mode"]
 
 _RUNNING, _SLIDING, _REPELLING = int(Status.RUNNING), int(Status.SLIDING), int(Status.REPELLING)
 _GRAZING, _ZENO, _UNSTABLE = int(Status.GRAZING), int(Status.ZENO), int(Status.UNSTABLE)
@@ -381,16 +382,6 @@ def record_crossing(run, hit, kind, mode, status):
     run.crossings += 1
     if kind != _CORNER_KIND and is_wanted(hit, run.wanted_surface, run.wanted_way):
         run.wanted += 1
-
-
-@internal
-def is_wanted(hit, surface, way):
-    """Whether a crossing is of a surface, and its switching function has the sign `way` then (any: 0).
-
-    For `ANY_SURFACE`, one of any surface; for −1 all crossings, also where sliding ends by itself.
-    """
-    of_it = surface == -1 or hit.surface == surface or (surface == ANY_SURFACE and hit.surface >= 0)
-    return of_it and hit.rate_before * way >= 0.0
 
 
 @inlined

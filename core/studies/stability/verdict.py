@@ -43,7 +43,7 @@ takes a fifth of a millisecond. Tests compare its crossings with exact solutions
 
 #: Another tolerance, with which the crossings have to be the same …
 _OTHER_TOLERANCE = 1e-14
-#: … and their times, to this part of the gaps between them: beside a solution that is chaotic errors grow in no time.
+#: … and their times, to this part of the gaps between them: as long as they agree so far, errors have not outgrown it.
 _SAME = 2.0**-4
 #: Most steps of the reference.
 _REFERENCE_STEPS = 20_000
@@ -143,11 +143,11 @@ def expected_of(
     t0, t1 = t_span
     beyond = t1 + _BEYOND * (t1 - t0)
     run = reference_run(system, x0, (t0, beyond), sliding=sliding, cancel=cancel)
-    other = reference_run(system, x0, (t0, beyond), sliding=sliding, cancel=cancel, tolerance=_OTHER_TOLERANCE)
     t, size = run.crossings.t, run.psi_size()
     touch = next(times_of_near_touches(run), math.inf)
     if touch <= min(t1, run.t[-1]):
         return Expected(Status.GRAZING, CrossingSequence.of(run, until=touch), beyond, size, Status.GRAZING.reason)
+    other = reference_run(system, x0, (t0, beyond), sliding=sliding, cancel=cancel, tolerance=_OTHER_TOLERANCE)
     if run.status is not Status.COMPLETED and run.t[-1] <= t1:
         known = run.status not in _COUNTED or _is_certain(run, other, float(run.t[-1]))
         status, why = (run.status, run.reason) if known else (UNCERTAIN, _OTHER_WORDS[UNCERTAIN])
