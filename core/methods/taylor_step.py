@@ -9,6 +9,8 @@ from functools import lru_cache
 from sympy import Expr, Symbol
 
 from core.codegen.functions import Names, function_text, level_residual_lines
+from core.codegen.printing import assignments
+from core.codegen.rounding import rounding_bound
 from core.codegen.taylor_series import ALONG, SeriesCode, series_code
 from core.kernels.abi import LENGTH, LEVELS_SET, ORDER, PER_UNIT, TOLERANCE, UNIT
 from core.kernels.taylor_coefficients import LEAST_ORDER, STRIDE
@@ -148,17 +150,22 @@ def _extent_lines(laws: Laws, mode: Mode) -> list[str]:
     """Lines that write to the frame how large each coordinate is and how far it moves: the metric of the projection.
 
     The error of a coordinate is relative to that. It has the units of the coordinates, so that the projection does not
-    depend on these.
+    depend on these. How far it slides includes what cancels in its rate, a difference of products: near a rest, the
+    rounding of that is all its motion, and must not move the other coordinates.
     """
     if not mode.conserved:
         return []
-    extent, d = Names(laws).frame.extent, range(len(laws.x))
+    names = Names(laws)
+    extent, d = names.frame.extent, range(len(laws.x))
     lines = [f"part = length if length < {_LONGEST} else 1.0"]
+    if mode.slides:
+        gross = names.own([rounding_bound(f) for f in mode.written.field])
+        lines += assignments([f"gross{k}" for k in d], gross, names.temporaries)
     for k in d:
         series = f"abs(c[{k}, {_TERMS}])"
         for m in range(_TERMS - 1, -1, -1):
             series = f"(abs(c[{k}, {m}]) + part*{series})"
-        lines.append(f"extent{k} = {series}")
+        lines.append(f"extent{k} = {series}" + f" + part*unit*gross{k}" * mode.slides)
     lines.append(f"largest = max({', '.join(f'extent{k}' for k in d)}, 0.0)")
     lines.append("largest = largest if 0.0 < largest < math.inf else 1.0")
     return lines + [f"w[{extent + k}] = max(extent{k}, largest*{_LEAST_EXTENT})" for k in d]

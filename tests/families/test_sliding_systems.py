@@ -232,6 +232,24 @@ def test_a_slide_along_a_curve_comes_to_rest_and_stays_there(draws, method):
         assert run.x[-1] == pytest.approx(rest, abs=1e-4), about  # g drifts by the error of the method
 
 
+def test_a_slide_to_a_rest_near_the_origin_takes_few_steps_of_taylor(draws):
+    """There x is a small part of y² and its rate the difference of two of size 1: their rounding must not move y.
+
+    A step is as long as the motion allows, and none is made again: 15 at most but for the last digits of a tiny rest.
+    """
+    for rng in draws(60):
+        system, _ = _resting(rng)
+        values = {name: value * 10.0 ** rng.uniform(-4, 0) for name, value in system.values.items() if name in "cpq"}
+        system = system.with_parameters(**values)
+        run = core.integrate(system, (0.0, 60.0), method="taylor", sliding="continue")
+        a, b, c, p, q = (system.values[name] for name in "abcpq")
+        rest = (b * p + a * q) / (a + b)
+        assert run.status is Status.COMPLETED, f"{system.values}: {run.message}"
+        assert silent(run), f"{system.values}: {run.message}"
+        assert run.steps < 1000, system.values
+        assert run.x[-1] == pytest.approx([-c * rest**2, rest], abs=1e-12), system.values
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_the_end_of_a_slide_on_a_moving_surface_is_exact_and_no_slow_crossing(method):
     # x' = ±1 holds the state at x = t² until the surface is as fast: from t = 1/2 on x = t - 1/4, and y = t/2 to there.
