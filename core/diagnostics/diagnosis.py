@@ -152,7 +152,7 @@ def step_warning(run: Trajectory) -> str:
 def _warning(run: Trajectory) -> str:
     judged = run.crossings.first(min(_FIRST, _judged(run)))
     at_surfaces = (undecided_corners(run), slid_into_corners(run), near_touches(run), slow_crossings(run, judged))
-    doubts = chain(*at_surfaces, amplified(run), led_astray(run))
+    doubts = chain(*at_surfaces, amplified(run), led_astray(run), near_touches(run, far=True))
     warnings = (*not_undone(run), *cancelled(run))
     if not warnings:
         touches, coarse = tuple(islice(near_touches(run, rounding=True), 1)), unresolved(run)[:1]

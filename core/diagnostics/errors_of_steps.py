@@ -13,6 +13,7 @@ import numpy as np
 
 from core.diagnostics.made_again import anew
 from core.diagnostics.resolution import RUNS_AWAY, resolvable
+from core.diagnostics.slow_passes import SlowPasses
 from core.integration.trajectory import COMPARED, Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
@@ -58,27 +59,34 @@ def led_astray(run: Trajectory) -> Iterator[str]:
         finer = replace(unmoved, tau=0.5 * unmoved.tau)
     longer = 0.0 if run.system.laws.names_time else _SHIFT * (asked.t_end - asked.t0)  # the run may be early
     beyond = asked._replace(t_end=asked.t_end + longer)
-    if (t := _astray(base, anew(run, beyond, replace(finer, max_steps=3 * COMPARED)))) is not None:
-        shorter = "tolerance" if adaptive else "tau"
-        along = "" if run.system.laws.names_time else ", even apart from a shift in time"
-        yield (
-            f"By t = {t:.3g} the errors of the steps have grown to a tenth of the range of the state{along}: take a "
-            f"smaller {shorter}"
-        )
+    if (found := _astray(base, anew(run, beyond, replace(finer, max_steps=3 * COMPARED)))) is not None:
+        t, slow = found
+        shorter = f"take a smaller {'tolerance' if adaptive else 'tau'}"
+        if slow:
+            where = f"At t = {t:.6g} the run nearly comes to rest, and the errors of its steps decide where it goes on"
+            yield f"{where}, as beside a saddle point: {shorter}"
+        else:
+            along = "" if run.system.laws.names_time else ", even apart from a shift in time"
+            grown = f"By t = {t:.3g} the errors of the steps have grown to a tenth of the range of the state"
+            yield f"{grown}{along}: {shorter}"
 
 
-def _astray(run: Trajectory, finer: Trajectory) -> float | None:
-    """The first time, of those compared, at which a run is far from the orbit of another."""
+def _astray(run: Trajectory, finer: Trajectory) -> tuple[float, bool] | None:
+    """The first time, of those compared, at which a run is far from the orbit of another, and False; or, with True,
+    at which it nearly rests and the other passes at another distance from the rest.
+    """
     way, last = 1.0 if run.t[-1] >= run.t[0] else -1.0, min(len(run.t), COMPARED) - 1
     times = run.t[0] + (run.t[last] - run.t[0]) * (np.arange(1, _TIMES + 1) - _UNEVEN) / (_TIMES - _UNEVEN)
-    rows = np.unique(np.append(np.searchsorted(way * run.t[:last], way * times[:-1]), last))
+    forced, jumps = run.system.laws.names_time, run.system.laws.jumps
+    passes = None if forced or METHODS[run.method].adaptive else SlowPasses(run, finer)
+    slow = passes.rows[passes.rows < last].tolist() if passes else []
+    rows = np.unique([*np.searchsorted(way * run.t[:last], way * times[:-1]), last, *slow])
     rows = rows[resolvable(run, run.t[rows]) & np.isfinite(run.x[rows]).all(axis=1)]  # at a pole every error grows
     low, high = np.minimum.accumulate(run.x), np.maximum.accumulate(run.x)
     # Where the solution grows without bound, its range so far; else that of all.
     low, high = (one[rows if run.status in RUNS_AWAY else [last] * len(rows)] for one in (low, high))
     moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
     orbit, shift, before = _Orbit(finer), 0.0, run.t[0]
-    forced, jumps = run.system.laws.names_time, run.system.laws.jumps
     for k, size in zip(rows.tolist(), np.where(moves, high - low, np.inf), strict=True):
         t = float(run.t[k])
         around = (0.0 if forced else _SHIFT * abs(t - before)) + (0.0 if forced and not jumps else 2.0 * finer.tau)
@@ -86,7 +94,9 @@ def _astray(run: Trajectory, finer: Trajectory) -> float | None:
             return None
         distance, found = orbit.nearest(t + shift, around, run.x[k], size)
         if distance >= _FAR:
-            return t
+            return t, False
+        if passes and not passes.alike(k, found):
+            return t, True
         before, shift = t, 0.0 if forced else found - t
     return None
 

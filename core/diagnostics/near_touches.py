@@ -33,8 +33,10 @@ _MOST_STEPS = 500_000
 _FINER = 1.0 / 16.0
 #: An error up to this many times the bound on rounding is about as small as that.
 _HARDLY_MORE = 1e3
-#: Longest time to the least height of a slight pass, from where another run is compared, in steps.
+#: Longest time from a slight pass to its least height, in steps.
 _NEAR = 8.0
+#: Longest time before the least height at which another run is compared, in steps: of passes that are near, and of all.
+_LEADS = (8.0, 64.0)
 #: Time by which two runs of a method that chooses its steps meet a surface apart, in units of its longest step.
 _LATER = 2.0**-7
 #: Longest way to the least height, in steps.
@@ -79,7 +81,7 @@ class _Least(NamedTuple):
     """Rate of its rate."""
 
 
-def near_touches(run: Trajectory, rounding: bool = False) -> Iterator[str]:
+def near_touches(run: Trajectory, rounding: bool = False, far: bool = False) -> Iterator[str]:
     """Say where a run passes a surface by less than its own error.
 
     What half the step size changes, or a smaller tolerance, is taken for half the error.
@@ -89,30 +91,32 @@ def near_touches(run: Trajectory, rounding: bool = False) -> Iterator[str]:
     run : Trajectory
     rounding : bool
         Say only where that error is about as small as that of rounding, so that smaller steps hardly help.
+    far : bool
+        Look at the passes that take more than some steps instead: within the error of many steps of order 2.
 
     Yields
     ------
     str
         Some sentences, without the last full stop, in the order of the run.
     """
-    for least, error in _slight_passes(run):
+    for least, error in _slight_passes(run, far):
         if error <= _HARDLY_MORE * least.noise or not rounding:
             yield _words(run, least, error)
 
 
 def times_of_near_touches(run: Trajectory) -> Iterator[float]:
     """Times at which a run passes a surface by less than its own error, in its order."""
-    yield from (least.t for least, _ in _slight_passes(run))
+    yield from (least.t for least, _ in _slight_passes(run, far=False))
 
 
-def _slight_passes(run: Trajectory) -> Iterator[tuple[_Least, float]]:
+def _slight_passes(run: Trajectory, far: bool) -> Iterator[tuple[_Least, float]]:
     """The least heights that are within the error of a run, and the error of each; in the order of the run."""
     if run.passes is None or not len(run.passes) or run.t[-1] == run.t[0]:
         return
     search = _Search(run, run.passes[resolvable(run, run.passes[:, 0])])
     for place, since in search.places():
         least = search.least(place)
-        if least is not None and search.is_slight(place, least):
+        if least is not None and search.is_slight(place, least, far):
             error = search.error(place, least, since)
             if not abs(least.height) > error + least.noise:
                 yield least, error
@@ -209,9 +213,10 @@ class _Search:
             t, x = time, found.x[0]
         return x
 
-    def is_slight(self, place: _Place, least: _Least) -> bool:
-        """Whether the least height may be within the error of the run, and is reached within few steps."""
-        near = abs(place.t - least.t) <= _NEAR * self.longest and self.lead(least) <= _NEAR * self.longest
+    def is_slight(self, place: _Place, least: _Least, far: bool) -> bool:
+        """Whether the least height may be within the error of the run, and is reached within few steps, or more."""
+        near = abs(place.t - least.t) <= _NEAR * self.longest
+        near &= (_LEADS[0] if far else 0.0) < self.lead(least) / self.longest <= _LEADS[far]
         told = self.run.status in _TOUCHES and abs(self.run.t[-1] - least.t) <= self.longest
         return near and not told and abs(least.height) <= _GROWTH * self.local_error(place, least)
 

@@ -59,3 +59,23 @@ def test_a_touch_late_in_a_run_is_told_all_the_same():
     system = core.CATALOGUE["elliptic_curve"].with_parameters(radius=radius + 1e-9)
     run = core.integrate(system, (0.0, 60.0), (-1.0, -1.0), tau=0.02, method="rk4")
     assert WORDS in run.warning or run.status is core.Status.GRAZING
+
+
+def test_a_pass_that_is_within_the_error_of_many_steps_is_told():
+    """Two swings under a threshold that falls: x + y comes to 0.0063 below it, and the errors of 9,400 steps are more.
+
+    The run in half steps crosses it, too; from there on a push leads both away.
+    """
+    w1, w2, c, fall = 0.9471745592604729, 1.810999232903939, 5.886193338935695, 0.022830271790112065
+    start = (1.4366457169539582, 0.10521918766348708, 0.03488576106773776, 1.268305889387341, 0.0)
+    below, above = (("v", f"-{w1**2!r}*x + {push}", "u", f"-{w2**2!r}*y", "1") for push in ("0", "3.4"))
+    g = f"x + y + {fall!r}*z - {c!r}"
+    kept = f"v**2 + {w1**2!r}*x**2", f"u**2 + {w2**2!r}*y**2"
+    system = core.PiecewiseSystem("Threshold", ("x", "v", "y", "u", "z"), below, above, g, kept, kept[1:], x0=start)
+    t = np.linspace(0.0, 188.0, 1_000_001)
+    x = start[0] * np.cos(w1 * t) + start[1] / w1 * np.sin(w1 * t)
+    y = start[2] * np.cos(w2 * t) + start[3] / w2 * np.sin(w2 * t)
+    assert (x + y + fall * t < c).all(), "the solution stays below"
+    for method in ("dmm2", "rk2"):
+        run = core.integrate(system, (0.0, 188.0), tau=0.02, method=method)
+        assert WORDS in run.warning, (method, run.crossing_count, run.warning)
