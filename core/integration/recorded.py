@@ -71,6 +71,7 @@ def states_of(first: Point, rows: list[Chunk], last: Point, segment: int, entrie
     """Put the recorded steps between the first and the last state.
 
     The last state is left out where it was recorded already, or where the run has neither moved nor changed its mode.
+    Steps beyond a crossing that a touch has taken the place of, see `retract_crossing`, are in the last segment.
 
     Parameters
     ----------
@@ -83,6 +84,8 @@ def states_of(first: Point, rows: list[Chunk], last: Point, segment: int, entrie
     x = np.concatenate([(first.x,), *(x for _, x in rows), (last.x,)])
     mode = np.concatenate([(first.mode,), *(steps["mode"] for steps, _ in rows), (last.mode,)])
     segments = np.concatenate([(0,), *(steps["segment"] for steps, _ in rows), (segment,)])
+    retracted = segments > segment
+    mode[retracted], segments[retracted] = last.mode, segment
     if entries is not None:
         segments = np.searchsorted([entry.segment for entry in distinct(entries)], segments)
     repeated = t[-1] == t[-2] and (x[-1] == x[-2]).all() and mode[-1] == mode[-2]

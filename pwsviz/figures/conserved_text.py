@@ -38,7 +38,7 @@ STEADY = 0.2
 """`ErrorCurve.shift` up to which a curve shows no drift: a drift that its oscillation hides moves its mean by more."""
 
 LOST = 0.1
-"""|Δψ|, relative to the size of ψ’s terms, from which on no bound is told: less than a digit of ψ is right."""
+"""|Δψ|, relative to the size of ψ’s terms before, from which on no bound is told: less than a digit of ψ is right."""
 
 RELATIVE = "relative:"
 """Before a change of ψ as part of the size of ψ’s terms."""
@@ -170,12 +170,19 @@ def _change(curve: ErrorCurve) -> str:
     if curve.keeps and curve.between is not None and (kind := _kind_of_rounding(curve, curve.between[known], known)):
         return f"{method} conserves ψ to {kind} between crossings, but perturbed crossings change it: {value} {until}"
     share = _share_of_crossings(curve, known)
-    if 0.0 < LOST * size <= worst:
-        return f"{method} does not conserve ψ: {value}{share}"
+    if 0.0 < LOST * _size_before(curve, error, known) <= worst:
+        told = value if worst >= LOST * size else f"max |Δψ| = {rounded(worst)}"
+        return f"{method} does not conserve ψ: {told}{share}"
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
     if late <= SEEN_TO_RISE * early and curve.shift <= STEADY:
-        return f"{method} shows no drift so far, {until}: {value}{share}"
+        return f"{method} shows no visible drift {until}: {value}{share}"
     return f"{method}{' drifts' * (late > DRIFT * early)}: {value} {until}{share}"
+
+
+def _size_before(curve: ErrorCurve, error: Floats, known: NDArray[np.bool_]) -> float:
+    """Return the size of ψ’s terms before the error has come to half its largest, which enlarges them itself."""
+    half = int(np.argmax(error >= 0.5 * error.max()))
+    return float(np.broadcast_to(curve.psi_size, curve.t.shape)[known][max(half - 1, 0)])
 
 
 def _share_of_crossings(curve: ErrorCurve, known: NDArray[np.bool_]) -> str:

@@ -44,7 +44,7 @@ def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_ch
 def test_a_curve_that_leaves_the_plot_reaches_its_end_and_the_words_say_how_far(visit):
     page = visit(query="v=1&tau=0.05&methods=rk2,dmm2&starts=0.9,1.5")
     words = page.get_by_text(
-        re.compile("conserves ψ|shows no drift|stays at the level|drifts:|leaves the plot")
+        re.compile("conserves ψ|shows no visible drift|stays at the level|drifts:|leaves the plot")
     ).locator("visible=true")
     words.first.wait_for()
     curves = {curve["method"]: curve["y"] for curve in await_that(page, CURVES)}

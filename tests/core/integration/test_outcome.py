@@ -2,6 +2,9 @@
 
 import re
 
+import numpy as np
+import pytest
+
 import core
 from core import Status
 from core.integration.outcome import Cause, Ending, outcome
@@ -74,3 +77,46 @@ def test_steps_that_shorten_towards_where_a_law_ceases_to_be_defined_are_told_so
     run = core.integrate(system, (0.0, 1.0), method="taylor", max_steps=1000)
     assert run.status is Status.STEP_LIMIT
     assert "f_minus is not defined a step ahead" in run.message
+
+
+def _ended(f_minus, f_plus, g, x0, method="rk4"):
+    system = core.PiecewiseSystem("Surface", ("x", "y"), f_minus, f_plus, g, x0=x0)
+    return core.integrate(system, (0.0, 4.0), method=method, tau=None if method == "taylor" else 0.05)
+
+
+@pytest.mark.parametrize("method", ["rk4", "taylor"])
+@pytest.mark.parametrize(
+    ("f_minus", "f_plus", "g", "x0"),
+    [
+        (("1", "0"), ("0", "-1"), "y", (1.0, 1.0)),
+        (("1", "x - 1"), ("0", "-1"), "y", (1.0, 1.0)),
+        (("0", "1"), ("1", "0"), "(x - 0.5)**2 + y**2 - 0.0004", (-1.0, 0.0)),
+        (("0", "1"), ("1 + x", "0"), "y", (0.0, -1.0)),
+    ],
+)
+def test_a_surface_that_is_met_for_certain_is_not_said_to_be_touched(method, f_minus, f_plus, g, x0):
+    run = _ended(f_minus, f_plus, g, x0, method)
+    assert run.status is Status.GRAZING
+    assert "meets the surface, but the field beyond is tangent to it there" in run.message
+
+
+def test_what_rests_on_the_surface_or_begins_there_is_not_said_to_touch_it():
+    rests = _ended(("y", "-x"), ("y", "-x"), "x", (0.0, 0.0))
+    assert "the field vanishes there" in rests.message
+    begins = _ended(("1", "0"), ("1", "0"), "y", (0.0, 0.0))
+    assert "the initial value is on the surface, and a field is tangent to it there" in begins.message
+    assert all("touches" not in run.message for run in (rests, begins))
+
+
+@pytest.mark.parametrize("method", ["rk2", "rk4", "rk8", "gauss4", "taylor"])
+@pytest.mark.parametrize(
+    ("bend", "start", "tau"), [(1, -1.0, 0.01), (2, -2.0, 0.01), (0.5, -2.0, 1 / 3), (4, -0.5, 0.1)]
+)
+def test_a_touch_at_the_end_of_a_step_is_told_and_its_states_are_in_order(method, bend, start, tau):
+    """rk4 and gauss4 meet the surface within rounding, and come back to it at once: that crossing is none."""
+    law, level = ("1", f"-2*{bend}*x"), bend * start**2
+    system = core.PiecewiseSystem("Parabola", ("x", "y"), law, law, f"y - {level}", x0=(start, 0.0))
+    run = core.integrate(system, (0.0, 4.0), method=method, tau=None if method == "taylor" else tau)
+    assert run.status is Status.GRAZING or "the run passes the surface at a distance below" in run.message
+    assert (np.diff(run.segment) >= 0).all()
+    assert run.segment.max() <= run.crossing_count
