@@ -23,7 +23,7 @@ from core.transition.event_location import BOUND, StepContext
 from core.transition.event_search import examine_piece, examine_plain_step
 from core.transition.event_watch import Watch, keep_start, note_transitions, watch_start
 from core.transition.mannshardt import RUNNING, advance, end_at_once
-from core.transition.plain_steps import accept_plain_step
+from core.transition.plain_steps import accept_plain_step, rates_change
 from core.transition.records import EVENT, GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
 from core.transition.surface import Log, guards_contradict, widen_envelope
@@ -189,6 +189,7 @@ def compiled_march() -> Callable[..., int]:
                 plain = count >= 0
                 for i in range(d):
                     plain = plain and abs(x[i] + increment[i]) < BOUND
+                plain = plain and not (guards[run.row].turns == 1 and rates_change(run, w))
                 plain = plain and accept_plain_step(run, h, w)
             if plain:
                 run.evaluations += count

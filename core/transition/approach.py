@@ -10,17 +10,24 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import LENGTH, PREPARE, ROUNDING_OF_G, G, call
+from core.kernels.abi import LENGTH, PREPARE, RATES, ROUNDING_OF_G, G, call
 from core.kernels.jit import inlined, internal
-from core.transition.event_location import BOUND, rate_at_end, try_step, write_end
-from core.transition.plain_steps import look_at
-from core.transition.surface import MARGIN, evaluate_g, evaluate_switching
+from core.transition.event_location import BOUND, FAILED, NONE, rate_at_end, try_step, write_end
+from core.transition.plain_steps import look_at, rates_change
+from core.transition.surface import MARGIN, evaluate_g, evaluate_rates, evaluate_switching
 
-__all__ = ["check_at_surface", "cut_to_domain", "cut_to_prepared", "look_from_both_sides", "try_finite_step"]
+__all__ = [
+    "check_at_surface", "cut_to_domain", "cut_to_prepared", "cut_to_surface", "lands_off_surface",
+    "look_from_both_sides", "try_finite_step",
+]  # fmt: skip
 
 _EPS = 2.0**-52
 #: Largest number of halvings of a step towards a surface beyond which the field is not defined.
 _HALVINGS = 60
+#: Change of g in such a step, as part of what the field of a side alone would make, that is off the surface.
+_OFF = 0.25
+#: Shortest step to where both rates vanish, as part of τ.
+_SHORTEST = 2.0**-20
 #: Increment of a coordinate for the difference quotients of g, relative to the state.
 _BESIDE = 2.0**-26
 #: Largest displacement of a landing by the reflection at the surface, relative to the state: 16 eps.
@@ -76,6 +83,55 @@ def cut_to_domain(context, t, h):
             run.final = run.final if run.adaptive == 0 else 0
             return h
     return 0.0
+
+
+@internal
+def cut_to_surface(context, t, h):
+    """The longest of h, h/2, h/4 … for which a step of a slide ends on the surface; 0 if none does. In other modes, h.
+
+    Where both rates of g vanish at once the field of sliding is 0/0: a step beyond leads anywhere.
+    """
+    run = context.run
+    if not slides_in_steps(context):
+        return h
+    while abs(h) >= _SHORTEST * abs(run.tau) and (run.tried == h or try_finite_step(context, t, h)):
+        if not (rates_change(run, context.w) and leaves_surface(context, t, h)):
+            return h
+        h *= 0.5
+    return 0.0
+
+
+@internal
+def lands_off_surface(context, t, on, found, length):
+    """Whether a step of a slide leads off the surface: to where the slide ends, or shorter than one that does not."""
+    run = context.run
+    h = length if found == NONE else run.hit
+    if found == FAILED or h == 0.0 or (found == NONE and h == on) or not slides_in_steps(context):
+        return False
+    return not (run.tried == h or try_finite_step(context, t, h)) or leaves_surface(context, t, h)
+
+
+@inlined
+def slides_in_steps(context):
+    """Whether the run slides by a method whose steps are of one size."""
+    return context.run.adaptive == 0 and context.guards[context.run.row].turns == 1
+
+
+@internal
+def leaves_surface(context, t, h):
+    """Whether the last trial step of a slide, of length h, changes g as the field of a side would."""
+    run, w, place = context.run, context.w, context.place
+    guard, kept = context.guards[run.row + run.guard], (w[G], w[RATES], w[RATES + 1], w[ROUNDING_OF_G])
+    row = guard.to + guard.back
+    for i in range(place.size):
+        place[i] = context.x[i]
+    into_minus, into_plus = evaluate_rates(context, row, t)
+    start, most = w[G], max(abs(into_minus), abs(into_plus))
+    write_end(context)
+    evaluate_rates(context, row, t + h)
+    off = not abs(w[G] - start) <= _OFF * most * abs(h) + MARGIN * w[ROUNDING_OF_G]
+    w[G], w[RATES], w[RATES + 1], w[ROUNDING_OF_G] = kept
+    return off
 
 
 @internal

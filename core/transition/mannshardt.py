@@ -19,6 +19,8 @@ from core.transition.approach import (
     check_at_surface,
     cut_to_domain,
     cut_to_prepared,
+    cut_to_surface,
+    lands_off_surface,
     look_from_both_sides,
     try_finite_step,
 )
@@ -50,6 +52,7 @@ __all__ = ["RUNNING", "advance", "end_at_once"]
 
 RUNNING = int(Status.RUNNING)
 _NO_CONVERGENCE, _ESCAPED, _CONTRADICTION = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.CONTRADICTION)
+_GRAZING = int(Status.GRAZING)
 _ZENO = int(Status.ZENO)
 #: Most modes in a row that end where they are entered.
 _LONGEST_CHAIN = 16
@@ -251,12 +254,15 @@ def advance(context, log, h):
         if run.follow == 1:
             h = cut_where_flat(context, h)
             kind, low, high = isolate_root_of_series(context, h)
-    length = h
+    asked = length = h
     if kind == ROOT and locate_near_root(context, t, low, high):
         found = FOUND  # the end of the step is not needed
     elif try_finite_step(context, t, h):
         if run.follow == 0:
             return step_over(context, log, t, h)
+        h = cut_to_surface(context, t, h)
+        if h == 0.0:
+            return _GRAZING
         found, length = locate(context, t, h, kind, low, high)
     elif write_end(context) >= BOUND:
         return _ESCAPED
@@ -266,14 +272,22 @@ def advance(context, log, h):
         found, length = go_nearer(context)
     if run.guards > 1 and found != FAILED:
         found, length = compare_guards(context, t, found, length)
+    while lands_off_surface(context, t, h, found, length):
+        look_at(run, context.w, 0)
+        h = cut_to_surface(context, t, 0.5 * (length if found == NONE else run.hit))
+        if h == 0.0:
+            return _GRAZING
+        found, length = locate(context, t, h, NO_ROOT, 0.0, 0.0)
+        if found != FAILED:
+            found, length = compare_guards(context, t, found, length)
     if found == NONE:
-        run.rest = h - length if run.adaptive == 0 else 0.0
+        run.rest = asked - length if run.adaptive == 0 else 0.0
         return end_step(context, log, t, length)
     if found == FAILED or not land(context, log, t):
         return _NO_CONVERGENCE
     if found == TOUCH:
         run.own = 0.0  # the height turns at the surface: its rate is zero
-    run.rest = h - run.hit if run.adaptive == 0 else 0.0
+    run.rest = asked - run.hit if run.adaptive == 0 else 0.0
     run.final = run.final if run.adaptive == 0 else 0
     run.chain = 0
     return switch_mode(context, log, found)

@@ -14,7 +14,12 @@ import math
 from core.kernels.abi import ENTERED, G_END, GUARDS, HEIGHT, KEPT, LEAVING, RATE, RATE_END, SIGN
 from core.kernels.jit import inlined, internal
 
-__all__ = ["accept_plain_step", "end_of_guard", "look_at", "set_guard", "take_guard", "update_other_guards"]
+__all__ = [
+    "accept_plain_step", "end_of_guard", "look_at", "rates_change", "set_guard", "take_guard", "update_other_guards",
+]  # fmt: skip
+
+#: Ratio of rates of g at both ends of a slide's step from which on it is asked whether it ends on the surface.
+_UNLIKE = 2.0
 
 
 @inlined
@@ -51,6 +56,18 @@ def accept_at_other_guards(run, third, w):
             return False
     update_other_guards(run, w)
     return True
+
+
+@inlined
+def rates_change(run, w):
+    """Whether the rates of g at the end of the last trial step of a slide are unlike those at its start.
+
+    Their difference, by which the field of sliding is divided, is the sum of the first two heights. The guard looked at
+    is the first.
+    """
+    start = run.height + w[GUARDS + KEPT + HEIGHT]
+    end = run.sign * w[G_END] + w[GUARDS + KEPT + SIGN] * w[G_END + 2]
+    return not (start <= _UNLIKE * end and end <= _UNLIKE * start)
 
 
 @inlined

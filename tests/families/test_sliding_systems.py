@@ -289,3 +289,30 @@ def test_where_sliding_on_a_moving_surface_ends_variables_of_any_size_are_not_mo
             run = core.integrate(system.with_parameters(k=k), (0, 2), method=method, tau=0.02, sliding="continue")
             assert [str(kind) for kind in run.crossings.kind] == ["sliding", "leaving"], (run.message, k)
             assert abs(run.x[-1, 1] / k - exact) < most, (k, run.x[-1, 1] / k - exact, system.law_arguments())
+
+
+#: A closed surface that moves, and values of its parameters at which a slide leads to where both rates of g vanish.
+FOLDS = {
+    "a": 0.2545081979917142, "w": 1.6897671292173195, "q": 0.9815102090964463, "R": 1.312754673525622,
+    "p1": 1.240641549095546, "p2": -1.3957584843036597, "h": 0.49517526552511937, "n": 0.04646537395526229,
+    "s": 0.35853317416936376, "r": 1.2563980830970212, "m": -0.6843598866131448,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["rk2", "rk4", "rk8", "gauss4"])
+def test_a_slide_to_where_both_rates_vanish_ends_on_the_surface(draws, method):
+    """The field of sliding is 0/0 there, so that a step beyond leads anywhere: up to g = 193 in two of five draws."""
+    system = core.PiecewiseSystem(
+        "Folds", ("x", "y"), ("p1 + h*y", "p2 - h*x + n*x**2"), ("r*y - s*x", "m*sin(t) - s*y - r*x"),
+        "(x - a*cos(w*t))**2 + q*y**2 - R**2", parameters=FOLDS, x0=(1.5743427354475386, 0.09281470919879942),
+    )  # fmt: skip
+    ended = 0
+    for rng in draws(45):
+        drawn = system.with_parameters(**{name: value * rng.uniform(0.98, 1.02) for name, value in FOLDS.items()})
+        tau = float(rng.choice([0.001, 0.01, 0.02, 0.05]))
+        run = core.integrate(drawn, (0.0, 10.0), method=method, tau=tau, sliding="continue")
+        slid = np.flatnonzero(run.sliding)
+        g = np.array([drawn.switching(t, x) for t, x in zip(run.t[slid], run.x[slid], strict=True)])
+        assert np.abs(g).max(initial=0.0) < 0.05, (drawn.values, tau, run.message)
+        ended += run.status is Status.GRAZING and "both fields turn at once" in run.message
+    assert ended, "some draws lead there"
