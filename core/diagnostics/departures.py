@@ -195,5 +195,5 @@ def noise(steps: Steps) -> Floats:
 
 
 def _share(part: float) -> str:
-    """A part of the length of a step, in words."""
-    return f"{part:.1g} of its length" if part < 1.0 else "its whole length or more"
+    """A part of the way of a step, in words."""
+    return f"{part:.1g} of the distance covered" if part < 1.0 else "the whole distance covered, or more"

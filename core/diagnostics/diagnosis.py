@@ -228,8 +228,8 @@ _UNSOLVED = (
 )
 #: Bounds on τ: field of `Constants`, name in a warning, and what may happen beyond it.
 _BOUNDS = (
-    ("window", "the window alpha^2/M", _SECOND),
-    ("window_hat", "the discrete window alpha_hat^2/M_hat", _SECOND),
+    ("window", "the window without a second crossing, alpha^2/M", _SECOND),
+    ("window_hat", "the discrete window without one, alpha_hat^2/M_hat", _SECOND),
     ("tau_minus", "the bound tau_-^*", _UNSOLVED.format("to")),
     ("tau_plus", "the bound tau_+^*", _UNSOLVED.format("from")),
 )

@@ -121,8 +121,8 @@ def slides_in_steps(context):
 def leaves_surface(context, t, h):
     """Whether the last trial step of a slide, of length h, changes g as the field of a side would."""
     run, w, place = context.run, context.w, context.place
-    guard, kept = context.guards[run.row + run.guard], (w[G], w[RATES], w[RATES + 1], w[ROUNDING_OF_G])
-    row = guard.to + guard.back
+    rate, kept = context.guards[run.row], (w[G], w[RATES], w[RATES + 1], w[ROUNDING_OF_G])
+    row = rate.to + rate.back  # of g, the guard of the region to which the slide leads if this rate of g vanishes
     for i in range(place.size):
         place[i] = context.x[i]
     into_minus, into_plus = evaluate_rates(context, row, t)

@@ -73,7 +73,7 @@ _WORDS = {
         "misses it. If not, take a smaller step size.",
     ),
     Status.NO_CONVERGENCE: (
-        "the equations of the step, or the switching function, have no real solution that could be found",
+        "no real solution of the equations of the step was found, or g is not real there",
         "Take a smaller step size.",
     ),
     Status.ESCAPED: (

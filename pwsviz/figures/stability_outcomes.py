@@ -32,7 +32,7 @@ class Outcome(NamedTuple):
 OUTCOMES: Mapping[int, Outcome] = {
     Status.COMPLETED: Outcome("correct sequence of crossings", CALM),
     LIKEWISE: Outcome("ends early, as the solution does", MILD),
-    WRONG_CROSSINGS: Outcome("incorrect sequence of crossings", "#c47a14"),
+    WRONG_CROSSINGS: Outcome("incorrect or mistimed crossings", "#c47a14"),
     WENT_ON: Outcome("continues where the solution stops", OCHRE),
     Status.ESCAPED: Outcome("the numerical solution blows up", VERMILION),
     Status.UNSTABLE: Outcome("unstable: the step is too long", "#7f1d1d"),

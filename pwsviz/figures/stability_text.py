@@ -226,7 +226,7 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
         return f", from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected != core.Status.COMPLETED:
         return f", from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
-    near = f", a quarter of the way between two crossings, as t = {end:.4g} is nearer to one of them"
+    near = f", a quarter of the time between crossings from the nearest one, as t = {end:.4g} is nearer"
     return f" to t = {horizon:.4g}{near * (horizon != end)}"
 
 

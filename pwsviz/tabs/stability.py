@@ -39,7 +39,10 @@ MEANINGS = {
 }
 """Of what is drawn in each part, for captions."""
 
-CONSERVES = " and, for a conservative integrator, |Δψ| is at most 10⁻¹⁰ times the size of the terms of ψ"
+CONSERVES = (
+    " and, for a conservative integrator, |Δψ| is at most 10⁻¹⁰ times the size of the terms of ψ (nothing is asked of "
+    "the |Δψ| of others)"
+)
 """What a successful run of some integrators does besides, where ψ is known."""
 
 

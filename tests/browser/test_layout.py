@@ -261,11 +261,13 @@ LEGENDS = """() => [...Bokeh.index.query(view => view.model.type == "Legend")].f
 
 
 @pytest.mark.deep
-@pytest.mark.parametrize("view", ["cost", "stability"])
-def test_no_entry_of_a_legend_is_cut_on_a_narrow_screen(visit, view):
+@pytest.mark.parametrize(
+    ("view", "wanted"),
+    [("cost", "incorrect sequence of crossings"), ("stability", "incorrect or mistimed crossings")],
+)
+def test_no_entry_of_a_legend_is_cut_on_a_narrow_screen(visit, view, wanted):
     page = visit(420, 800, query=f"v=2&view={view}")
     await_painted(page, "Phase portrait")
-    wanted = "incorrect sequence of crossings"
     page.wait_for_function(f"() => ({LEGENDS})().some(one => one.label == '{wanted}')", timeout=90_000)
     page.wait_for_timeout(500)
     assert [one["label"] for one in page.evaluate(LEGENDS) if not one["inside"]] == []

@@ -64,7 +64,7 @@ NO_START = 103
 UNCERTAIN = 104
 _OTHER_WORDS = {
     NOT_YET: "not computed yet",
-    WRONG_CROSSINGS: "incorrect sequence of crossings",
+    WRONG_CROSSINGS: "incorrect or mistimed crossings",
     WENT_ON: "continues where the solution stops",
     NO_START: "no start there",
     UNCERTAIN: "rounding decides the crossings",
