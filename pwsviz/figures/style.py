@@ -13,6 +13,7 @@ from bokeh.models import (
     CustomJS,
     CustomJSHover,
     CustomJSTickFormatter,
+    CustomLabelingPolicy,
     DataRange1d,
     FixedTicker,
     HoverTool,
@@ -155,6 +156,22 @@ LEVEL: dict[str, Any] = {"line_color": RULE, "line_dash": "dotted", "line_width"
 BELOW_RANGE = "\nbelow plot\nrange, or 0"
 """Name of the level at which smaller errors are drawn; its first line is empty, so that it stands below its level."""
 
+APART = """
+const seen = [...ticker.ticks].filter(tick => range.min <= tick && tick <= range.max)
+const places = seen.map((tick, k) => {
+  const lines = names.compute(tick).split("\\n"), { top, bottom } = bboxes[k], line = (bottom - top) / lines.length
+  const blank = Math.max(0, lines.findIndex(words => words != ""))
+  return { top: top + (blank + SPARE) * line, bottom: bottom - SPARE * line }
+})
+const kept = []
+for (let k = seen.length - 1; k >= 0; k--) {
+  if (kept.every(other => places[k].bottom <= places[other].top || places[other].bottom <= places[k].top)) { kept.push(k) }
+}
+return kept.reverse()
+""".replace("SPARE", "0.12")
+"""JavaScript that leaves out names that would lie over a later one, in a low figure or in large type; spare, relative to
+a line, is the room above and below its letters. A picture for print, which has other sizes, places them for itself."""
+
 
 @dataclass(frozen=True)
 class NamedLevels:
@@ -173,13 +190,17 @@ class NamedLevels:
 
 
 def mark_levels(plot: figure, levels: dict[float, str]) -> NamedLevels:
-    """Draw labelled lines across a logarithmic plot; the labels are at its right edge, where no curve runs."""
+    """Draw labelled lines across a logarithmic plot; the labels are at its right edge, where no curve runs.
+
+    Where there is no room for all labels, those of the last levels are shown.
+    """
     ticker = FixedTicker(ticks=list(levels))
     spans = [Span(location=level, dimension="width", **LEVEL) for level in levels]
     # Labels are looked up by height, since the browser numbers only the ticks in view.
     args = {"names": list(levels.values()), "levels": list(levels)}
     names = CustomJSTickFormatter(args=args, code="return names[levels.indexOf(tick)] ?? ''")
-    labels: dict[str, Any] = {"ticker": ticker, "formatter": names}
+    apart = CustomLabelingPolicy(args={"ticker": ticker, "names": names, "range": plot.y_range}, code=APART)
+    labels: dict[str, Any] = {"ticker": ticker, "formatter": names, "major_label_policy": apart}
     plot.add_layout(LogAxis(**labels), "right")
     for span in spans:
         plot.add_layout(span)

@@ -11,10 +11,10 @@ KEY = "l"
 """Key that turns the lecture mode on and off, when no text is being typed."""
 
 LARGER = 1.65
-"""Factor of the size of all type outside figures, and of their lines and marks; less on a small screen."""
+"""Factor of the size of all type outside figures, and of their lines and marks; less in a small window."""
 
-SCREEN = (1100, 620)
-"""Pixels of width and height from which on a screen has room for larger type: by 1 % for each 1 % more of both."""
+ROOMY = (1100, 620)
+"""Pixels of width and height from which on a window has room for larger type: by 1 % for each 1 % more of both."""
 
 LABELS = 1.1
 """Factor by which the type in figures, smaller than that outside, grows more."""
@@ -50,10 +50,13 @@ export function render({ model }) {
   const fitted = new Set()  // panels of views
   let timer = null
   let factor = 1, larger = null
+  const root = document.documentElement
   const { CustomJSTransform } = Bokeh.loader["models/transforms/customjs_transform"]
   const setFactor = () => {
-    factor = Math.min(LARGER, Math.max(1, Math.min(screen.width / WIDE, screen.height / HIGH)))
+    factor = Math.min(LARGER, Math.max(1, Math.min(innerWidth / WIDE, innerHeight / HIGH)))
     larger = new CustomJSTransform({ func: `return ${factor} * x`, v_func: `return xs.map(x => ${factor} * x)` })
+    root.style.fontSize = factor > 1 ? `${100 * factor}%` : ""
+    root.style.setProperty("--warned", factor < LARGER ? "nowrap" : "")
   }
   const enlarged = size => {
     if (typeof size == "number") return size * factor
@@ -78,6 +81,19 @@ export function render({ model }) {
       part.setv(Object.fromEntries(reset.map(name => [name, given[name]])), { sync: false })
     }
   }
+  const restore = () => {
+    for (const [part, { sizes }] of usual) { part.setv(sizes, { sync: false }) }
+    usual.clear()
+  }
+  const resize = () => {  // the window fills the screen only some time after it has been asked for, if at all
+    const before = factor
+    if (!model.large) { return }
+    setFactor()
+    if (factor != before) {
+      restore()
+      enlarge()
+    }
+  }
   const isPanel = element => element.getAttribute("role") == "tabpanel" || element.classList.contains("portrait")
   const panel_of = element => {
     while (element && !isPanel(element)) { element = element.parentElement ?? element.getRootNode().host }
@@ -96,7 +112,7 @@ export function render({ model }) {
       const { above = Infinity, below = Infinity } = found.get(panel) ?? {}
       found.set(panel, { above: Math.min(above, top - all.top + longer), below: Math.min(below, all.bottom - bottom) })
     }
-    const lines = LINES * parseFloat(getComputedStyle(document.documentElement).fontSize)
+    const lines = LINES * parseFloat(getComputedStyle(root).fontSize)
     for (const [panel, { above, below }] of found) {
       fitted.add(panel)
       const part = panel.classList.contains("portrait") ? OF_RUNS : TOLD, told = Math.min(below, part * innerHeight)
@@ -107,21 +123,18 @@ export function render({ model }) {
     if (on == model.large) return
     if (document.getElementById("cover") != null) return setTimeout(turn, LOOK_AGAIN, on)  // when the page is built
     model.large = on
-    setFactor()
-    document.documentElement.style.fontSize = on && factor > 1 ? `${100 * factor}%` : ""
     const styles = { "--rest": "REST", "--table": "0px", "--usual": "none", "--lecture": "flex" }
-    if (!on) { document.documentElement.style.setProperty("--law", "") }
-    for (const [name, value] of Object.entries(styles)) {
-      document.documentElement.style.setProperty(name, on ? value : "")
-    }
+    for (const [name, value] of Object.entries(styles)) { root.style.setProperty(name, on ? value : "") }
     clearInterval(timer)
     if (on) {
+      setFactor()
       enlarge()
       timer = setInterval(() => { enlarge(); fit() }, LOOK_AGAIN)
-      document.documentElement.requestFullscreen?.().catch(refused => console.info("no full screen", refused))
+      root.requestFullscreen?.().catch(refused => console.info("no full screen", refused))
     } else {
-      for (const [part, { sizes }] of usual) part.setv(sizes, { sync: false })
-      usual.clear()
+      restore()
+      root.style.fontSize = ""
+      for (const name of ["--law", "--warned"]) { root.style.removeProperty(name) }
       for (const panel of fitted) { panel.style.removeProperty("--above") }
       if (document.fullscreenElement) document.exitFullscreen()
     }
@@ -139,20 +152,22 @@ export function render({ model }) {
   }
   const leave = () => { if (!document.fullscreenElement) turn(false) }
   model.on("turned", () => turn(!model.large))
-  model.on("told", () => document.documentElement.style.setProperty("--law", model.told ? "none" : ""))
+  model.on("told", () => root.style.setProperty("--law", model.told ? "none" : ""))
   document.addEventListener("keydown", press)
   document.addEventListener("fullscreenchange", leave)
+  addEventListener("resize", resize)
   model.on("remove", () => {
     clearInterval(timer)
     document.removeEventListener("keydown", press)
     document.removeEventListener("fullscreenchange", leave)
+    removeEventListener("resize", resize)
   })
 }
 """.replace("SPACE", SPACE)
         .replace("LABELS", str(LABELS))
         .replace("LARGER", str(LARGER))
-        .replace("WIDE", str(SCREEN[0]))
-        .replace("HIGH", str(SCREEN[1]))
+        .replace("WIDE", str(ROOMY[0]))
+        .replace("HIGH", str(ROOMY[1]))
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
         .replace("OF_RUNS", str(TOLD_OF_RUNS))
         .replace("TOLD", str(TOLD))
