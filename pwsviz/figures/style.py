@@ -55,6 +55,9 @@ PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
 WITH_TABLE = {"height": f"calc(max(14rem + 76px, {HEIGHT} - var(--table, 190px)) + {ROOM})", "flex": "none"}
 """Styles of a figure that leaves room on the screen for a table below; a lecture leaves room for all that is told."""
 
+TOOLS_CSS = ":host { pointer-events: none; } :host > * { pointer-events: auto; }"
+"""Style sheet of the tools: beside them, what lies below takes the pointer, as in a lecture they lie in the figure."""
+
 FRAME = 0.25
 """Opacity of the frame of a figure on the page, on light and on dark ground."""
 
@@ -106,6 +109,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
     plot.js_on_change("outline_line_alpha", CustomJS(code=f"cb_obj.outline_line_alpha = {FRAME}"))
     plot.toolbar.logo = None
     plot.toolbar.autohide = True
+    plot.toolbar.stylesheets = [TOOLS_CSS]
     return plot
 
 
@@ -163,14 +167,15 @@ const places = seen.map((tick, k) => {
   const blank = Math.max(0, lines.findIndex(words => words != ""))
   return { top: top + (blank + SPARE) * line, bottom: bottom - SPARE * line }
 })
+const touch = (one, other) => one.top < other.bottom && other.top < one.bottom
 const kept = []
 for (let k = seen.length - 1; k >= 0; k--) {
-  if (kept.every(other => places[k].bottom <= places[other].top || places[other].bottom <= places[k].top)) { kept.push(k) }
+  if (!kept.some(other => touch(places[k], places[other]))) { kept.push(k) }
 }
 return kept.reverse()
 """.replace("SPARE", "0.12")
-"""JavaScript that leaves out names that would lie over a later one, in a low figure or in large type; spare, relative to
-a line, is the room above and below its letters. A picture for print, which has other sizes, places them for itself."""
+"""JavaScript that leaves out names that would lie over later ones, in a low figure or in large type; spare, in lines, is
+the room above and below letters. A picture for print, which has other sizes, places names for itself."""
 
 
 @dataclass(frozen=True)

@@ -81,6 +81,14 @@ export function render({ model }) {
       part.setv(Object.fromEntries(reset.map(name => [name, given[name]])), { sync: false })
     }
   }
+  // Where room is short, tools that appear under the pointer do so in the figure: a band above is else kept for them.
+  const placeTools = inner => {
+    for (const view of Bokeh.index.query(view => view.model.type == "Figure" && view.model.toolbar_inner != inner)) {
+      view.model.setv({ toolbar_inner: inner }, { sync: false })
+      view.model.toolbar.setv({ inner }, { sync: false })
+      view.invalidate_layout()
+    }
+  }
   const restore = () => {
     for (const [part, { sizes }] of usual) { part.setv(sizes, { sync: false }) }
     usual.clear()
@@ -129,10 +137,11 @@ export function render({ model }) {
     if (on) {
       setFactor()
       enlarge()
-      timer = setInterval(() => { enlarge(); fit() }, LOOK_AGAIN)
+      timer = setInterval(() => { enlarge(); placeTools(factor < LARGER); fit() }, LOOK_AGAIN)
       root.requestFullscreen?.().catch(refused => console.info("no full screen", refused))
     } else {
       restore()
+      placeTools(false)
       root.style.fontSize = ""
       for (const name of ["--law", "--warned"]) { root.style.removeProperty(name) }
       for (const panel of fitted) { panel.style.removeProperty("--above") }

@@ -35,9 +35,9 @@ def test_portrait_and_view_share_a_wide_screen(visit):
 
 
 @pytest.mark.deep
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_the_titles_of_all_views_stand_in_one_row(visit, scheme):
-    tabs = visit(color_scheme=scheme).get_by_role("tab").all()
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1400), ("dark", 1400), ("light", 1280)])
+def test_the_titles_of_all_views_stand_in_one_row(visit, scheme, width):
+    tabs = visit(width, color_scheme=scheme).get_by_role("tab").all()
     assert len({tab.bounding_box()["y"] for tab in tabs}) == 1
 
 

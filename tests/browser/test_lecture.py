@@ -1,0 +1,115 @@
+"""A lecture in a window that is small, as on an old projector: the pictures have the room, and nothing lies over it."""
+
+import re
+from itertools import pairwise
+
+import pytest
+
+from pwsviz.widgets.lecture import LABELS, ROOMY
+from tests.browser.looking import PATIENCE, await_built, await_painted, becomes
+from tests.browser.test_layout import BEGUN, FRAME, TYPE
+from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
+
+pytestmark = pytest.mark.browser
+
+SMALL = (1280, 720)
+
+
+@pytest.fixture
+def small_window(chromium, address):
+    """Open a scene in a window on a larger screen, which a lecture does not fill, and begin a lecture."""
+    context = chromium.new_context(
+        viewport={"width": SMALL[0], "height": SMALL[1]}, screen={"width": 1920, "height": 1080}
+    )
+
+    def begin(query):
+        page = context.new_page()
+        page.set_default_timeout(PATIENCE)
+        page.goto(f"{address}?{query}" if query else address)
+        await_built(page)
+        await_painted(page, "Phase portrait")
+        page.keyboard.press("l")
+        page.wait_for_function(BEGUN, arg=True)
+        return page
+
+    yield begin
+    context.close()
+
+
+@pytest.mark.parametrize("query", ["", "v=2&system=kepler&methods=dmm2,dmm4,rk2,rk4"])
+def test_in_a_small_window_of_a_large_screen_the_portrait_has_nearly_half_the_height(small_window, query):
+    page = small_window(query)
+    assert becomes(page, lambda: page.evaluate(FRAME)[1] > 0.45 * SMALL[1]), page.evaluate(FRAME)
+    tops = [tab.bounding_box()["y"] for tab in page.get_by_role("tab").all()]
+    assert max(tops) - min(tops) < 1, "titles of views keep to one row"
+    assert page.evaluate("parseFloat(getComputedStyle(document.documentElement).fontSize)") > 18, "type is large"
+
+
+@pytest.mark.deep
+def test_type_follows_the_size_of_the_window_during_a_lecture(visit):
+    page = visit(*ROOMY)
+    await_painted(page, "Phase portrait")
+    usual = page.evaluate(TYPE)
+    page.keyboard.press("l")
+    page.wait_for_function(BEGUN, arg=True)
+    for factor in (1.5, 1.2):
+        page.set_viewport_size({"width": round(factor * ROOMY[0]), "height": round(factor * ROOMY[1])})
+        grown = [factor * LABELS * size for size in usual]
+        assert becomes(page, lambda grown=grown: page.evaluate(TYPE) == pytest.approx(grown)), page.evaluate(TYPE)
+
+
+@pytest.mark.deep
+def test_beside_the_tools_that_lie_in_a_small_portrait_a_click_places_a_star(small_window):
+    page = small_window("")
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.mouse.click(*inside(page.evaluate(PORTRAIT), 0.3, 0.03))
+    assert becomes(page, lambda: len(page.evaluate(PORTRAIT)["stars"]) == 2)
+
+
+WARNING = re.compile("^rk4: The step of 0.5 at")
+
+
+@pytest.mark.deep
+def test_in_a_small_lecture_a_warning_takes_one_line_until_it_is_pointed_at(visit):
+    page = visit(*SMALL, query="v=2&system=kepler&methods=dmm2,rk2,rk4&tau=0.5")
+    warning = page.get_by_text(WARNING).first
+    warning.wait_for()
+    page.keyboard.press("l")
+    line = 1.6 * 0.875 * 16 * min(SMALL[0] / ROOMY[0], SMALL[1] / ROOMY[1])
+    assert becomes(page, lambda: warning.bounding_box()["height"] < line), warning.bounding_box()
+    warning.hover()
+    assert becomes(page, lambda: warning.bounding_box()["height"] > line), warning.bounding_box()
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    page.mouse.move(5, 5)
+    page.wait_for_function("() => document.documentElement.style.fontSize == '165%'")
+    assert becomes(page, lambda: warning.bounding_box()["height"] > line), "where there is room it is whole"
+
+
+SPY = """names => {
+    const { prototype } = CanvasRenderingContext2D, { fillText } = prototype
+    window.painted = {}
+    prototype.fillText = function (text, x, y, ...rest) {
+        const at = this.getTransform().f + y, size = this.measureText(text)
+        const ends = [at - size.actualBoundingBoxAscent, at + size.actualBoundingBoxDescent]
+        if (names.includes(text)) { window.painted[text] = ends }
+        return fillText.call(this, text, x, y, ...rest)
+    }
+}"""
+"""Notes the upper and lower end of some words as they are painted, in pixels."""
+
+NAMES = ["round-off", "eps = 2⁻⁵²", "below plot", "range, or 0"]
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize(("height", "named"), [(540, 3), (1000, 4)])
+def test_names_of_levels_do_not_lie_over_one_another_even_in_a_low_figure(visit, height, named):
+    page = visit(1280, 800, query="")
+    await_painted(page, "conserved quantity")
+    page.set_viewport_size({"width": 1280, "height": height})
+    await_still(page)
+    page.evaluate(SPY, NAMES)
+    page.set_viewport_size({"width": 1270, "height": height})
+    assert becomes(page, lambda: len(page.evaluate("window.painted")) == named), page.evaluate("window.painted")
+    ends = sorted(page.evaluate("Object.values(window.painted)"))
+    assert all(above[1] <= below[0] for above, below in pairwise(ends)), ends
