@@ -174,8 +174,8 @@ for (let k = seen.length - 1; k >= 0; k--) {
 }
 return kept.reverse()
 """.replace("SPARE", "0.12")
-"""JavaScript that leaves out names that would lie over later ones, in a low figure or in large type; spare, in lines, is
-the room above and below letters. A picture for print, which has other sizes, places names for itself."""
+"""JavaScript that leaves out names that would lie over later ones, in a low figure or in large type; spare is the room
+above and below letters, in lines. A picture for print, which has other sizes, places names for itself."""
 
 
 @dataclass(frozen=True)
