@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,8 +13,9 @@ import panel_material_ui as pmui
 import core
 from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.examples import EXAMPLES
+from pwsviz.editor.naming import proposed_name
 from pwsviz.editor.regions import REGION_FIELDS
-from pwsviz.editor.validation import MAX_NAME, Checked, Finding, check
+from pwsviz.editor.validation import Checked, Finding, check
 from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
 from pwsviz.text.words import as_text, complaint, listed
@@ -32,9 +33,6 @@ KEPT = f"These fields keep what you typed before; “Start from: {CURRENT}” re
 
 BLANK = "Nothing: empty fields"
 """Menu entry that empties all fields."""
-
-CHANGED = " (changed)"
-"""What a system is called after its name when something in it has been changed."""
 
 MATHS_CSS = """
 .maths { overflow-x: auto; overflow-y: hidden; padding: 2px 0 6px 14px; }
@@ -132,10 +130,11 @@ class SystemEditor(pn.viewable.Viewer):
         self._deliver = deliver or Delivery()
         self._lane = Lane()
         self._filling = False
-        self._borrowed = ""  # the name of the system filled in, as long as nothing is changed
+        self._loaded = False  # whether the fields were filled in with a system, not with an example
+        self._named = False  # whether the name was typed
         self._outcome: Checked | None = None  # None while the fields are being checked
         self._wanted = False
-        self.draft = Draft()
+        self.draft = self._begun = Draft()  # what the fields hold, and what they were filled in with
         self.texts = {name: self._make_text(name) for name in FIELDS}
         self.kept = _markup_pane()
         self.maths = {name: _markup_pane() for name in FIELDS}
@@ -188,7 +187,7 @@ class SystemEditor(pn.viewable.Viewer):
         """Fill in the system on the page, unless something else was typed before: then say that it is still there."""
         if self._current is None:
             return
-        if self._borrowed or self.draft == Draft():
+        if self.draft == self._begun and (self._loaded or self.draft == Draft()):
             self.start()
             return
         typed = self.system
@@ -199,20 +198,24 @@ class SystemEditor(pn.viewable.Viewer):
     def load(self, system: core.PiecewiseSystem) -> None:
         """Fill in a system, and check it at once."""
         self.fill(Draft.of(system))
-        self._borrowed = system.name
+        self._loaded = True
 
     def fill(self, draft: Draft) -> None:
         """Fill in a draft, and check it at once."""
-        self._borrowed, self.kept.object = "", ""
-        self._filling = True
-        try:
-            for name, field in self.texts.items():
-                text = getattr(draft, name)
-                field.param.update(value=text, value_input=text)
-        finally:
-            self._filling = False
+        self._begun, self._loaded, self._named, self.kept.object = draft, False, False, ""
+        self._write(draft, FIELDS)
         self._open(any(getattr(draft, name) for name in REGION_FIELDS))
         self._check(draft, quiet=0.0)
+
+    def _write(self, draft: Draft, names: Iterable[str]) -> None:
+        """Show texts of a draft in their fields."""
+        self._filling = True
+        try:
+            for name in names:
+                text = getattr(draft, name)
+                self.texts[name].param.update(value=text, value_input=text)
+        finally:
+            self._filling = False
 
     def _open(self, wanted: bool) -> None:
         """Show the fields that few need, or hide them."""
@@ -233,11 +236,16 @@ class SystemEditor(pn.viewable.Viewer):
         draft = replace(self.draft, **changed)
         if draft == self.draft or self._filling:
             return
-        if self._borrowed == draft.name and not draft.name.endswith(CHANGED):  # no two systems of one name in a list
-            self.draft = draft = replace(draft, name=draft.name[: MAX_NAME - len(CHANGED)] + CHANGED)
-            self.texts["name"].param.update(value=draft.name, value_input=draft.name)
-        self._borrowed = ""
+        self._named |= name == "name"
+        if not self._named:
+            draft = replace(draft, name=proposed_name(self._begun, draft, self._listed()))
+            self._write(draft, ["name"])
         self._check(draft, quiet=QUIET)
+
+    def _listed(self) -> set[str]:
+        """Return the names that a changed system must not have: those of the menu, and of the system on the page."""
+        own = {self._begun.name} if self._loaded else set()
+        return {*_built_in(), *own}
 
     # Checking it -----------------------------------------------------------------------------------------------------
 

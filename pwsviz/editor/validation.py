@@ -15,6 +15,7 @@ import core
 from core.integrate import checked_start
 from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted
 from pwsviz.editor.draft import FIELDS, Draft
+from pwsviz.editor.naming import MAX_NAME
 from pwsviz.editor.one_field import OneField, called_by_variables, where
 from pwsviz.editor.regions import REGION_FIELDS, Formula, Regions, read_parts
 from pwsviz.editor.typeset import constant, equation, rate, state_after
@@ -30,7 +31,6 @@ __all__ = ["Checked", "Finding", "check", "split"]
 
 MAX_CHARACTERS = 1000  #: characters of one field, which bound the time of parsing it
 MAX_REGION_CHARACTERS = 4000  #: characters of a field that holds the expressions of all regions
-MAX_NAME = 60  #: characters of the name of the system
 MAX_VARIABLES = 12  #: variables, which bound the time of analysing and compiling the system
 MAX_PARAMETERS = 20  #: parameters, each of which has a field on the page
 MAX_DERIVATIVES = 3000  #: nodes of the expression trees of all first derivatives of one expression

@@ -271,7 +271,7 @@ class Sidebar(pn.viewable.Viewer):
 
     def _systems(self) -> dict[str, str]:
         names = {system.name: key for key, system in core.CATALOGUE.items()}
-        return {**names, f"{self.scene.own.name} (yours)": OWN} if self.scene.own is not None else names
+        return {**names, f"Yours: {self.scene.own.name}": OWN} if self.scene.own is not None else names
 
     def _take_system(self, event: Any) -> None:
         if event.new is not None and event.new != self.scene.system:

@@ -46,7 +46,7 @@ def test_the_system_named_is_the_last_that_was_written(visit):
         page.wait_for_timeout(500)
         page.get_by_role("button", name="Use this system").click()
         page.get_by_role("dialog").wait_for(state="hidden")
-        await_shown(page, "System", f"{name} (yours)")
+        await_shown(page, "System", f"Yours: {name}")
     page.get_by_role("combobox", name="System").select_option("Pendulum")
     await_shown(page, "System", "Pendulum")
 

@@ -260,6 +260,31 @@ def test_a_system_that_is_changed_is_called_so_unless_it_is_given_a_name(desk):
     assert desk.editor.texts["name"].value_input == "Mine"
 
 
+def test_a_name_that_nobody_typed_follows_the_laws(desk):
+    desk.editor.load(ELLIPTIC)
+    assert desk.editor.settle(20)
+    desk.type(variables="x, v", f_minus="v\n-x + cos(t)", f_plus="v\n-2*x + cos(t)")
+    assert desk.editor.texts["name"].value_input == "Elliptic curve (changed)", "its surface is still there"
+    desk.type(g="x", psi_minus="", psi_plus="", parameters="", x0="1, 0")
+    desk.editor.use.clicks += 1
+    assert [system.name for system in desk.used] == ["My system"]
+    desk.type(g=Draft.of(ELLIPTIC).g)
+    assert desk.editor.texts["name"].value_input == "Elliptic curve (changed)"
+
+
+def test_an_example_keeps_its_name_while_it_is_changed_in_part_and_empty_fields_get_one(desk):
+    desk.type(f_plus="y\n-2*x")
+    assert desk.editor.texts["name"].value_input == "My oscillator"
+    desk.type(f_plus="y\n-x^3", f_minus="y\n-k*x^3", g="x")
+    assert desk.editor.texts["name"].value_input == "My system"
+    desk.editor.fill(Draft())
+    desk.type(g="x")
+    assert desk.editor.texts["name"].value_input == "My system"
+    desk.type(name="")
+    desk.type(g="y")
+    assert desk.editor.texts["name"].value_input == "", "it was emptied by hand"
+
+
 def test_a_mistake_leaves_the_last_good_system_in_use(desk):
     desk.editor.load(core.CATALOGUE["two_walls"])
     assert desk.editor.settle(20)

@@ -171,7 +171,7 @@ def test_a_system_of_ones_own_is_used_like_any_other(explorer):
     explorer._use(own)
     assert explorer.settle(60)
     assert explorer.portrait_panel.trouble.object == ""
-    assert "<b>mine</b> (yours)" in explorer.sidebar.system.options
+    assert "Yours: <b>mine</b>" in explorer.sidebar.system.options
     explorer.sidebar.fields["values.k"].type("2")
     for view in VIEWS:
         explorer.scene.param.update(view=view, t_end=5.0, peers=[])
