@@ -22,6 +22,7 @@ from pwsviz.page.help import Help
 from pwsviz.page.look import GRID_CSS, STACK_CSS, TABS_SX
 from pwsviz.page.pieces import pieces_of
 from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
+from pwsviz.page.shown_example import ShownExample
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import Results
@@ -84,11 +85,12 @@ class Explorer(pn.viewable.Viewer):
         self.scene = scene or Scene()
         self.results = results or RESULTS
         self.notice = text_pane("")
-        self._example: Preset | None = None  # that a page shows when it is opened
+        opened: Preset | None = None
         if scene is None and pn.state.location is not None:
-            self._begin(pn.state.location.search)  # before anything is computed
+            opened = self._begin(pn.state.location.search)  # before anything is computed
+        self.example = ShownExample(self.scene, opened)
         self.scheduler, self.history = Scheduler(), History(self.scene)
-        self.headline = Headline(self.scene, self._example)
+        self.headline = Headline(self.scene, self.example)
         self.announcer = Announcer(sizing_mode="fixed", width=0, height=0, margin=0)
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
         self.portrait_panel = PortraitPanel(
@@ -119,7 +121,6 @@ class Explorer(pn.viewable.Viewer):
     def _take_preset(self, preset: Preset) -> None:
         self.portrait_panel.player.open = False
         self._look = preset.look
-        self.headline.show(preset)
 
     def _make_tabs(self) -> Any:
         tabs = pmui.Tabs(
@@ -133,7 +134,7 @@ class Explorer(pn.viewable.Viewer):
     @cached_property
     def sidebar(self) -> Sidebar:
         """The controls."""
-        sidebar = Sidebar(self.scene, self.edit, self._call_with_pictures, self._take_preset, self._example)
+        sidebar = Sidebar(self.scene, self.edit, self._call_with_pictures, self._take_preset, self.example)
         sidebar.presets.jscallback(value=f"if (cb_obj.value != '' && {CRAMPED}) {THE_PAGE}.sidebar_open = false")
         return sidebar
 
@@ -316,14 +317,13 @@ class Explorer(pn.viewable.Viewer):
         self.scene.use(system)
         self.editing.open = False
 
-    def _begin(self, search: str) -> None:
-        """Show the scene of a link, or without one the first example."""
+    def _begin(self, search: str) -> Preset | None:
+        """Show the scene of a link, or without one the first example; return the example that it is."""
         if search not in ("", "?"):
             self.adopt(search)
-            self._example = example_of(self.scene)
-        else:
-            self._example = PRESETS[FIRST_LOOK]
-            self.scene.load(self._example.settings)
+            return example_of(self.scene)
+        self.scene.load(PRESETS[FIRST_LOOK].settings)
+        return PRESETS[FIRST_LOOK]
 
     def adopt(self, search: str) -> None:
         """Set the scene to what a link describes, and show the complaints about the link."""

@@ -9,7 +9,7 @@ from param.parameterized import Watcher
 from pwsviz.figures.portrait_text import law_line, run_line
 from pwsviz.page.help import ABOUT, GREETING_CSS, greeting, look_of
 from pwsviz.page.look import TAGLINE_CSS
-from pwsviz.scene.presets import Preset
+from pwsviz.page.shown_example import ShownExample
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.panes import markup_pane
 
@@ -20,7 +20,7 @@ SHOWN = ["values", "tau", "t_end", "locate", "perturbation_order", "perturbation
 
 
 class Headline:
-    """Two panes that follow the system of a scene, which may be that of an example from the beginning.
+    """Two panes that follow the system of a scene, and the example that it may be.
 
     Attributes
     ----------
@@ -31,15 +31,16 @@ class Headline:
         system is chosen its name, and with an example what to look at.
     """
 
-    def __init__(self, scene: Scene, example: Preset | None = None) -> None:
-        self.scene = scene
+    def __init__(self, scene: Scene, example: ShownExample | None = None) -> None:
+        self.scene, self._example = scene, example or ShownExample(scene)
         self._of_lecture: Watcher | None = None
+        self._fresh = scene.system == Scene.param.system.default  # nothing has been chosen yet
         self.tagline, self.greeting = markup_pane(TAGLINE_CSS), markup_pane(GREETING_CSS)
-        self.greeting.object = greeting(example)
-        if scene.system != Scene.param.system.default:
-            self.show()
+        self.show()
         self._write_tagline()
-        scene.param.watch(lambda *_: self.show(), ["system", "own"])
+        scene.param.watch(lambda *_: self._choose(), ["system", "own"])
+        self._example.param.watch(lambda *_: self._choose(), "preset")
+        self._example.param.watch(lambda *_: self.show(), "changed")
 
     def give_lecture(self, begun: bool) -> None:
         """Show the laws, the values of the parameters and the step size as long as a lecture lasts."""
@@ -48,11 +49,17 @@ class Headline:
         self._of_lecture = self.scene.param.watch(lambda *_: self._write_tagline(), SHOWN) if begun else None
         self._write_tagline()
 
-    def show(self, preset: Preset | None = None) -> None:
-        """Show the name of the system, and what to look at in an example that has just been loaded."""
+    def show(self) -> None:
+        """Show what to look at in the example, or the name of the system; on a fresh page also what to try."""
+        example, changed = self._example.preset, self._example.changed
+        words = f"<b>{escape(self.scene.declaration.name)}</b>" if example is None else look_of(example, changed)
+        self.greeting.object = greeting(example, changed) if self._fresh else f'<p class="greeting">{words}</p>'
+
+    def _choose(self) -> None:
+        """Show another system, or another example."""
+        self._fresh = False
         self._write_tagline()
-        words = f"<b>{escape(self.scene.declaration.name)}</b>" if preset is None else look_of(preset)
-        self.greeting.object = f'<p class="greeting">{words}</p>'
+        self.show()
 
     def _write_tagline(self) -> None:
         name = escape(self.scene.declaration.name)

@@ -11,11 +11,12 @@ import panel_material_ui as pmui
 import core
 from pwsviz.scene.presets import Preset
 from pwsviz.text.numbers import printed
+from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.panes import PLAIN_SX, markup_pane
 
-__all__ = ["ABOUT", "CITATION", "FIRST", "GREETING_CSS", "Help", "greeting", "look_of"]
+__all__ = ["ABOUT", "CHANGED", "CITATION", "FIRST", "GREETING_CSS", "Help", "greeting", "look_of", "note_of"]
 
 ABOUT = (
     "Integrate systems whose vector field changes across a surface, and see what each integrator conserves. "
@@ -29,14 +30,17 @@ FIRST = (
 )
 """The first thing to try; shown until an example is chosen."""
 
+CHANGED = " (changed). Choose it under Examples to restore it."
+"""What follows the title of an example whose scene is another one now."""
+
 GREETING_CSS = f"""
 .greeting {{ font: 13px/18px Roboto, Helvetica, Arial, sans-serif; min-height: 36px; margin: 0; opacity: 0.8; }}
 @media (width >= {NARROW}px) {{ .greeting {{ display: none; }} }}
 """
 
 
-def greeting(example: Preset | None) -> str:
-    """Return what to try, and what an example shows, as markup.
+def greeting(example: Preset | None, changed: bool = False) -> str:
+    """Return what to try, and what an example shows, as markup; `changed` as in `look_of`.
 
     On a narrow screen it stands above the portrait: the controls are out of sight there.
     """
@@ -44,12 +48,30 @@ def greeting(example: Preset | None) -> str:
         "Integrate systems whose vector field changes across a surface. Tap in the portrait to start a trajectory; "
         "examples are behind ☰."
     )
-    return f'<p class="greeting">{words}{f" {look_of(example)}" if example is not None else ""}</p>'
+    return f'<p class="greeting">{words}{f" {look_of(example, changed)}" if example is not None else ""}</p>'
 
 
-def look_of(example: Preset) -> str:
-    """Return what to look at in an example, and what to try, as markup."""
-    return f"<b>{escape(example.title)}.</b> {escape(example.look)} {escape(example.try_)}"
+def look_of(example: Preset, changed: bool = False) -> str:
+    """Return what to look at in an example, and what to try, as markup.
+
+    Once the scene is `changed`, this is said of the example as it was opened.
+    """
+    look, hint = _words(example, changed)
+    return f"<b>{escape(example.title)}{' (changed)' * changed}.</b> {escape(look)} {escape(hint)}"
+
+
+def note_of(example: Preset, changed: bool) -> str:
+    """Return the same in three paragraphs, and how to restore the example; for the place below the list of examples."""
+    restore = CHANGED * changed
+    return f"<p><b>{escape(example.title)}</b>{restore}</p>" + "".join(
+        as_text(words, "about") for words in _words(example, changed)
+    )
+
+
+def _words(example: Preset, changed: bool) -> tuple[str, str]:
+    if changed:
+        return f"As opened: {example.look}", f"From there: {example.try_}"
+    return example.look, example.try_
 
 
 CITATION = (

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
-from html import escape
-from typing import Any, NamedTuple
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -14,8 +13,9 @@ import core
 from pwsviz.figures.summaries import method_notes
 from pwsviz.geometry.plane import Axes
 from pwsviz.geometry.projection import PLANE, planes
-from pwsviz.page.help import FIRST
+from pwsviz.page.help import FIRST, note_of
 from pwsviz.page.initial_states import Trajectories
+from pwsviz.page.shown_example import ShownExample
 from pwsviz.scene.checks import OWN
 from pwsviz.scene.names import LABELS, short_name
 from pwsviz.scene.presets import PRESETS, Preset
@@ -61,20 +61,6 @@ AUTOMATIC = ()
 
 NUMBERS = ("tau", "tolerance", "t_end", "perturbation_scale")
 
-ASIDE = ("window", "view", "selected")
-"""What of a scene does not belong to an example: where one looks."""
-
-CHANGED = " (changed). Choose it under Examples to restore it."
-"""What follows the title of an example whose scene is another one now."""
-
-
-class _Example(NamedTuple):
-    """An example, and what the scene was with it."""
-
-    preset: Preset
-    system: core.PiecewiseSystem
-    settings: Mapping[str, object]
-
 
 class Sidebar(pn.viewable.Viewer):
     """The controls of one scene.
@@ -89,16 +75,17 @@ class Sidebar(pn.viewable.Viewer):
         Takes a function that shows changed numbers, and calls it; at once, unless it is better to wait for others.
     on_preset : callable
         Called with an example that has been loaded.
-    example : Preset, optional
-        The example that the scene shows from the beginning.
+    example : ShownExample, optional
+        The example that the scene is, if any.
     """
 
     def __init__(
         self, scene: Scene, on_edit: Callable[[], None], later: Later = at_once,
-        on_preset: Callable[[Preset], None] = lambda _: None, example: Preset | None = None,
+        on_preset: Callable[[Preset], None] = lambda _: None, example: ShownExample | None = None,
     ) -> None:  # fmt: skip
         super().__init__()
         self.scene, self._later, self._on_preset = scene, later, on_preset
+        self.example = example or ShownExample(scene)
         self._make_examples()
         self._make_system(on_edit)
         self._make_numbers()
@@ -112,16 +99,15 @@ class Sidebar(pn.viewable.Viewer):
         self._made: dict[str, list[NumberField]] = {}
         self._placed: dict[str, list[NumberField]] = {}
         self._built_for: core.PiecewiseSystem | None = None
-        self._example: _Example | None = None  # whose note is shown
         scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
         scene.param.watch(self._choose, ["system", "own", "axes"])
         scene.param.watch(self._enable, ["system", "own", "methods", "locate", "slide", "perturbation_order"])
-        scene.param.watch(self._compare_example, [*self._settings()])
+        self.example.param.watch(self._name_example, ["preset", "changed"])
         self._sync()
         self._choose()
         self._enable()
-        if example is not None:
-            self._name_example(example)
+        if self.example.preset is not None:
+            self._name_example()
 
     def _make_examples(self) -> None:
         self.presets = Dropdown(
@@ -132,7 +118,7 @@ class Sidebar(pn.viewable.Viewer):
             css_classes=[CHOOSER],
         )
         self.presets.param.watch(self._load, "value")
-        self._loading = False  # or naming the example that is loaded
+        self._naming = False  # not choosing
         self.preset_note = text_pane(FIRST, "about")
 
     def _make_system(self, on_edit: Callable[[], None]) -> None:
@@ -284,35 +270,18 @@ class Sidebar(pn.viewable.Viewer):
 
     def _load(self, event: Any) -> None:
         """Load a preset, and say what to look at and what to try."""
-        if event.new and not self._loading:
+        if event.new and not self._naming:
             preset = PRESETS[event.new]
-            self._loading = True  # its name stays until the scene is another one
-            self.scene.load(preset.settings)
-            self._loading = False
-            self._name_example(preset)
+            self.example.load(preset)
             self._on_preset(preset)
 
-    def _name_example(self, preset: Preset) -> None:
-        """Name the example that the scene shows, and say what to look at and what to try."""
-        self._example = _Example(preset, self.scene.declaration, self._settings())
-        self._compare_example()
-
-    def _compare_example(self, *_: Any) -> None:
-        """Name the example while the scene is its own; then say that it is changed, and with another system nothing."""
-        if self._loading or self._example is None:
-            return
-        preset, system, settings = self._example
-        same = self._settings() == settings
-        self._loading = True
-        self.presets.value = preset.key if same else ""
-        self._loading = False
-        title = f"<p><b>{escape(preset.title)}</b>{CHANGED * (not same)}</p>"
-        note = title + as_text(preset.look, "about") + as_text(preset.try_, "about")
-        self.preset_note.object = note if self.scene.declaration == system else ""
-
-    def _settings(self) -> dict[str, object]:
-        """Return the settings of the scene that belong to an example."""
-        return {name: value for name, value in self.scene.settings().items() if name not in ASIDE}
+    def _name_example(self, *_: Any) -> None:
+        """Name the example, and say what to look at and to try; say if it is changed; of another system say nothing."""
+        preset, changed = self.example.preset, self.example.changed
+        self._naming = True
+        self.presets.value = "" if preset is None or changed else preset.key
+        self._naming = False
+        self.preset_note.object = "" if preset is None else note_of(preset, changed)
 
     def _take_at_surface(self, event: Any) -> None:
         self.scene.param.update(**{key: LABELS[key] in event.new for key in ("locate", "slide")})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["SWEEP_SETTINGS", "VIEWS", "View"]
+__all__ = ["LOOKS", "SWEEP_SETTINGS", "VIEWS", "View"]
 
 
 class View(NamedTuple):
@@ -40,3 +40,9 @@ VIEWS = {
     "scheme": View("Scheme", "pwsviz.tabs.scheme:SchemeTab", ("study_method",)),
 }
 """Each view by its key, in display order; links contain the key."""
+
+LOOKS = frozenset({
+    "view", "window", "axes", "selected", "peers", "cost_across", "cost_up", "order_all", "section_axes", "section_map",
+    "stability_part", "stability_shown", "sweep_coordinate",
+})  # fmt: skip
+"""The settings that only say what is shown of a scene, on which axes, and beside what."""

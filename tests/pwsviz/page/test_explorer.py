@@ -15,7 +15,7 @@ from panel.io.state import set_curdoc
 import core
 from pwsviz.page.explorer import ADDRESS_RESTS, WINDOW_RESTS, Explorer
 from pwsviz.page.export_dialog import NOT_YET
-from pwsviz.page.sidebar import CHANGED
+from pwsviz.page.help import CHANGED
 from pwsviz.results.results import Results
 from pwsviz.scene.permalink import query, read
 from pwsviz.scene.presets import PRESETS
