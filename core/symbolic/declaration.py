@@ -21,7 +21,7 @@ from core.symbolic.entry_checks import (
     wrong_names,
     wrong_regions,
 )
-from core.symbolic.expressions import TIME, parse
+from core.symbolic.expressions import TIME, parse, switching_name
 from core.symbolic.laws import Laws, RegionLaw, Way, derive
 from core.symbolic.mode import rate_along
 from core.symbolic.regular import regular
@@ -140,19 +140,28 @@ class Declaration(DeclaredTexts):
         kept = {field: min(len(texts), most[self.kind(field)]) for field, texts in self.texts.items()}
         return {field: [self._expression(field, k) for k in range(n)] for field, n in kept.items()}
 
+    def _where_read(self, field: str, k: int) -> str:
+        """Say where a function that switches is read, if an expression that cannot be read contains one."""
+        name = switching_name(str(self.texts[field][k])) if self.kind(field) in ("f", "surface") else ""
+        where = "in one field for all regions (PiecewiseSystem.from_field), where its surface is found"
+        return f"; {name} is read {where}" if name else ""
+
+    @property
+    def _named(self) -> str:
+        """The names of the variables, each once, as messages list them."""
+        return ", ".join(dict.fromkeys(self.variables))
+
     def _expression(self, field: str, k: int) -> Expr | Problem:
         try:
             found = parse(self.texts[field][k], (*self.variables, *self.parameters), self.called(field, k))
         except ValueError as reason:
-            return Problem(field, str(reason), k)
+            return Problem(field, f"{reason}{self._where_read(field, k)}", k)
         if self.longest is not None and is_larger(sympy.Tuple(*self._gradient(found)), self.longest):
             words = ": its derivatives are too long to work with; write it shorter"
         elif self.kind(field) == "surface" and not found.free_symbols & set(self._x) and field == "g":
-            words = (
-                f" names no variable, so g = 0 is not a surface: it has to contain one of {', '.join(self.variables)}"
-            )
+            words = f" names no variable, so g = 0 is not a surface: it has to contain one of {self._named}"
         elif self.kind(field) == "surface" and not found.free_symbols & {*self._x, TIME}:
-            words = f" names no variable, so it has no zero: it has to contain one of {', '.join(self.variables)}"
+            words = f" names no variable, so it has no zero: it has to contain one of {self._named}"
         elif self.kind(field) == "surface" and (sign := definite_sign(found)):
             words = (
                 f" is {sign}, so that nothing switches where it is 0: it has to change sign there"

@@ -96,7 +96,8 @@ def miscounted(given: Sequence[object], noun: str, variables: Sequence[str]) -> 
     """Message that the number of entries is not the number of variables; empty if it is."""
     if len(given) == len(variables):
         return ""
-    return f"{_count(len(given), noun)} given, {len(variables)} needed: one for each of {', '.join(variables)}"
+    each = "variable" if len(set(variables)) < len(variables) else f"of {', '.join(variables)}"
+    return f"{_count(len(given), noun)} given, {len(variables)} needed: one for each {each}"
 
 
 def _count(number: int, noun: str) -> str:

@@ -13,11 +13,11 @@ from fractions import Fraction
 import sympy
 
 from core.symbolic.constant_size import CANCELS, Root, attempt, bit_length, root_bits, roots_made, value_of
-from core.symbolic.mistakes import meant, mistake
+from core.symbolic.mistakes import meant, mistake, usual_name
 from core.symbolic.operations import FUNCTIONS, OPERATIONS, power
 from core.symbolic.source_text import MAX_DIGITS, quoted, to_text
 
-__all__ = ["OPERATORS", "SWITCHING", "TIME", "check_name", "parse"]
+__all__ = ["OPERATORS", "SWITCHING", "TIME", "check_name", "parse", "switching_name"]
 
 #: The symbol of time in every expression.
 TIME = sympy.Symbol("t")
@@ -72,6 +72,12 @@ def check_name(name: str, role: str) -> str:
     if name in _RESERVED or keyword.iskeyword(name):
         raise ValueError(f"{role} name {name!r} is reserved: choose another")
     return name
+
+
+def switching_name(text: str) -> str:
+    """Return the first function in a text that is one of `SWITCHING`, by its name there; empty if there is none."""
+    called = (usual_name(name) for name in re.findall(r"\b([A-Za-z]+)\s*\(", text))
+    return next((name for name in (_SYMPY_NAMES.get(name, name) for name in called) if name in SWITCHING), "")
 
 
 def parse(

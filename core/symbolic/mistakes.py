@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 from core.symbolic.operations import FUNCTIONS
 
-__all__ = ["meant", "mistake"]
+__all__ = ["meant", "mistake", "usual_name"]
 
 _TOKENS = re.compile(
     r"(?P<number>(?<!\w)(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)|(?P<name>[A-Za-z_]\w*)"
@@ -29,10 +29,45 @@ _LIKE = 0.7
 
 
 def meant(name: str, known: Iterable[str]) -> str:
-    """Return a question for the known name that an unknown one is like, in brackets after a space; or nothing."""
+    """Return a question for what an unknown name stands for, in brackets after a space; or nothing.
+
+    It stands for a product of known names (kx for k*x), for a function of one (sinx), or for a known name it is like.
+    """
+    known = [*known]
+    if found := _product(name, known) or _application(name, known):
+        return f" (did you mean {found}?)"
     names = {one.lower(): one for one in known}
-    like = get_close_matches(_ELSEWHERE.get(name.lower(), name.lower()), names, n=1, cutoff=_LIKE)
+    like = get_close_matches(usual_name(name.lower()), names, n=1, cutoff=_LIKE)
     return f" (did you mean {names[like[0]]}?)" if like else ""
+
+
+def usual_name(function: str) -> str:
+    """Return the name that a function has here."""
+    return _ELSEWHERE.get(function, function)
+
+
+def _product(name: str, known: Sequence[str]) -> str:
+    """Return the product of the fewest known names that make up a name, of functions none; empty if there is none."""
+    factors = [one for one in known if one not in FUNCTIONS]
+    products: dict[int, tuple[str, ...]] = {0: ()}  # by the number of characters that they make up
+    for end in range(1, len(name) + 1):
+        ways = [
+            (*products[end - len(one)], one)
+            for one in factors
+            if end - len(one) in products and name.endswith(one, 0, end)
+        ]
+        if ways:
+            products[end] = min(ways, key=len)
+    return "*".join(products.get(len(name), ()))
+
+
+def _application(name: str, known: Sequence[str]) -> str:
+    """Return the function of a known name, or of a product, that was written without brackets, or nothing."""
+    for function in FUNCTIONS:
+        argument = _product(name.removeprefix(function), known) if name.startswith(function) else ""
+        if argument:
+            return f"{function}({argument})"
+    return ""
 
 
 def mistake(source: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple, TypeVar
 
@@ -13,13 +13,13 @@ from sympy import Symbol
 
 import core
 from core.integrate import checked_start
-from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted
+from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted
 from pwsviz.editor.draft import FIELDS, Draft
+from pwsviz.editor.entries import as_known, is_decimal, read_coordinate, read_parameter, read_variable
 from pwsviz.editor.naming import MAX_NAME
 from pwsviz.editor.one_field import OneField, called_by_variables, where
-from pwsviz.editor.regions import REGION_FIELDS, Formula, Regions, read_parts
+from pwsviz.editor.regions import REGION_FIELDS, Regions, read_parts
 from pwsviz.editor.typeset import constant, equation, rate, state_after
-from pwsviz.scene.checks import MAX_COORDINATE
 from pwsviz.scene.scene import can_use
 from pwsviz.text.advice import on_page
 from pwsviz.text.math_names import name_markup, quantity_name, unicode_name
@@ -108,12 +108,12 @@ class _Check:
             self.items[name] = tuple(rates(self.texts[name], self.items["variables"]))
         self.items |= {name: tuple(map(self.typed.read, self.items[name])) for name in _EXPRESSIONS}
         self.require_names()
-        self.variables = self.each("variables", _variable, MAX_VARIABLES)
+        self.variables = self.each("variables", read_variable, MAX_VARIABLES)
         known = {p.name: p for p in draft.known}
-        self.parameters = self.each("parameters", partial(_parameter, formula=self.typed.read), MAX_PARAMETERS)
-        self.parameters = tuple(_as_known(p, known.get(p.name)) for p in self.parameters)
+        self.parameters = self.each("parameters", partial(read_parameter, formula=self.typed.read), MAX_PARAMETERS)
+        self.parameters = tuple(as_known(p, known.get(p.name)) for p in self.parameters)
         self.symbols = {Symbol(p.name): p.symbol for p in self.parameters}
-        self.x0 = self.each("x0", partial(_coordinate, formula=self.typed.read), MAX_VARIABLES)
+        self.x0 = self.each("x0", partial(read_coordinate, formula=self.typed.read), MAX_VARIABLES)
         self.read: OneField | Regions | None = None
         self.in_one_field = bool(draft.f.strip())
         self.in_regions = not self.in_one_field and any(getattr(draft, name).strip() for name in REGION_FIELDS)
@@ -231,13 +231,13 @@ class _Check:
 
     def check_declaration(self) -> None:
         """Complain about the declaration, in the fields that could be read."""
-        if self.read is None and (self.in_one_field or self.in_regions):
-            return
         found = list(self.declaration.problems)
+        if self.read is None and (self.in_one_field or self.in_regions):  # nothing is known but the names
+            found = [problem for problem in found if problem.field in ("variables", "parameters")]
         if self.read is not None:
             found = self.read.problems(self.variables) if isinstance(self.read, OneField) else self.read.problems()
         if self.variables and (words := miscounted(self.x0, "number", self.variables)):
-            found.append(Problem("x0", words))
+            found.append(Problem("x0", f"{words}{'; separate them by commas' * (len(self.x0) < len(self.variables))}"))
         readable = FIELDS.keys() - self.complaints.keys()
         for problem in found:
             if problem.field in readable:
@@ -265,7 +265,7 @@ class _Check:
 
     def typeset_start(self) -> str:
         """Typeset the coordinates of the start if one of them was typed as a formula."""
-        if all(map(_is_decimal, self.items["x0"])):
+        if all(map(is_decimal, self.items["x0"])):
             return ""
         named = zip(self.variables, self.x0, strict=False)
         return "".join(equation(*_LeftSide(name, markup(Symbol(name))), constant(x)) for name, x in named)
@@ -340,52 +340,6 @@ def _without_quantity(word: str, system: core.PiecewiseSystem | None) -> str:
     return (
         f"None given or found: where g {'<' if word == 'minus' else '>'} 0, conservative methods have no ψ to conserve."
     )
-
-
-def _variable(text: str) -> str:
-    """Read the name of a variable; whether it can be one is checked with all else."""
-    if names := text.split()[1:]:
-        raise ValueError(
-            f"{quoted(text)} is not one name: separate names by commas, as in {text.split()[0]}, {names[0]}"
-        )
-    return text
-
-
-def _parameter(text: str, formula: Formula) -> core.Parameter:
-    """Read ``k = 3 in [0.1, 10]``."""
-    name, equals, rest = (part.strip() for part in text.partition("="))
-    value, within, bounds = (part.strip() for part in re.sub(r"\bin\b", "\0", rest, count=1).partition("\0"))
-    ends = split(bounds[1:-1]) if bounds.startswith("[") and bounds.endswith("]") else []
-    if text.isdecimal():
-        raise ValueError(f"{quoted(text)} is not a parameter: write 0.{text} with a point if it is a part of a number")
-    if not equals or (within and len(ends) != 2):
-        raise ValueError(f"{quoted(text)} is not a parameter: write k = 3, or k = 3 in [0.1, 10]")
-    numbers = [_number(part, f"Parameter {name}", formula) for part in (value, *ends)]
-    return core.Parameter(name, numbers[0], (numbers[1], numbers[2]) if within else None)
-
-
-def _as_known(parameter: core.Parameter, known: core.Parameter | None) -> core.Parameter:
-    """Return a parameter with the symbol and the description that it has in a known system."""
-    return parameter if known is None else replace(parameter, latex=known.latex, doc=known.doc)
-
-
-def _coordinate(text: str, formula: Formula) -> float:
-    number = _number(text, "Start x₀", formula)
-    if abs(number) > MAX_COORDINATE:
-        raise ValueError(f"{quoted(text)} is too large: take numbers between ±{MAX_COORDINATE:,.0f}")
-    return number
-
-
-def _number(text: str, what: str, formula: Formula) -> float:
-    """Read a number, such as 0.1, 1/3 or sqrt(2)."""
-    number = parse(formula(text), (), what)
-    if number.free_symbols:
-        raise ValueError(f"{what} = {quoted(text)} is not a number: write one such as 0.1, 1/3 or sqrt(2)")
-    return float(number)
-
-
-def _is_decimal(text: str) -> bool:
-    return re.fullmatch(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?", text) is not None
 
 
 def _quantity(word: str, k: int, count: int) -> _LeftSide:

@@ -25,6 +25,7 @@ _SAID: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r'let it slide \(sliding="continue"\)', "choose “Slide along the surface”"),
     (r"Raise the limit \(max_crossings\) to continue", "Take an earlier end time"),
     (r"Raise the limit \(max_events\) to continue", "Take an earlier end time"),
+    (r"in one field for all regions \(PiecewiseSystem\.from_field\)", "in the box “Field f, with sign, abs, max, min”"),
     (r" \(terminal=False\)", ""),
     (r"(?<=solution ends at t = )[\d.e+-]*\d", _time),
     (

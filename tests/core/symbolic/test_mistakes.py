@@ -43,6 +43,11 @@ def test_a_name_before_a_bracket_is_told_to_be_no_function():
         ("alpha*X", "unknown name 'X' (did you mean x?)"),
         ("alpha*y", "unknown name 'y'; known are"),
         ("open(x)", "'open(x)' is not allowed; allowed are"),
+        ("-alphax", "unknown name 'alphax' (did you mean alpha*x?)"),
+        ("2 + txx", "unknown name 'txx' (did you mean t*x*x?)"),
+        ("sinx", "unknown name 'sinx' (did you mean sin(x)?)"),
+        ("cosalphax", "(did you mean cos(alpha*x)?)"),
+        ("alphax1", "unknown name 'alphax1' (did you mean alpha?)"),
     ],
 )
 def test_a_name_that_is_like_a_known_one_is_asked_about(text, says):

@@ -312,6 +312,15 @@ def test_numbers_may_be_written_as_constants():
         ("psi_plus", "7", "is constant: remove it"),
         ("x0", "1", "1 number given, 2 needed"),
         ("x0", "1, one", "unknown name “one”"),
+        ("x0", "1 1", "“1 1” is not one number: separate numbers by commas, as in 1, 1"),
+        ("x0", "1 -1", "separate numbers by commas, as in 1, -1"),
+        ("x0", "1/2 1/3", "separate numbers by commas, as in 1/2, 1/3"),
+        ("x0", "0.5", "1 number given, 2 needed: one for each of x, y; separate them by commas"),
+        ("f_minus", "y, -x - abs(y)", f"abs is read in the box “{FIELDS['f']}”, where its surface is found"),
+        ("g", "Max(x, y)", f"max is read in the box “{FIELDS['f']}”"),
+        ("f_minus", "y, -kx", "unknown name “kx” (did you mean k*x?)"),
+        ("f_minus", "y, -2xy", "unknown name “xy” (did you mean x*y?)"),
+        ("parameters", "k = 3 m = 2", "is more than one parameter: separate parameters by commas or new lines"),
         ("x0", "1, 2e6", "too large"),
         ("jump", "x", "1 expression given"),
         ("jump", "x, -r*y", "y⁺ = “-r*y”: unknown name “r”"),
@@ -323,6 +332,15 @@ def test_a_mistake_is_told_beside_its_field_with_what_would_do(field, text, says
     checked = check(replace(OSCILLATOR, **{field: text}))
     assert says in checked.complaints[field]
     assert checked.system is None
+
+
+@pytest.mark.parametrize(
+    "laws", [{}, {"g": "k"}, {"f_minus": "", "f_plus": "", "g": "", "f": "y, -x"}], ids=["sides", "no variable", "one"]
+)
+def test_of_names_that_are_the_same_this_is_said(laws):
+    checked = check(replace(OSCILLATOR, variables="x, x", **{"psi_minus": "", "psi_plus": ""} | laws))
+    assert checked.complaints["variables"] == "The name “x” is used twice: names must differ."
+    assert "x, x" not in " ".join(checked.complaints.values())
 
 
 def test_of_a_constant_it_is_not_said_that_it_is_conserved():
