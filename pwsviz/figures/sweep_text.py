@@ -18,6 +18,7 @@ from pwsviz.geometry.section_plane import TURN, angles, coordinate_label
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import NO_CROSSING, NO_START, Diagram
 from pwsviz.scene.names import met_at_surfaces, readable, short_name
+from pwsviz.scene.sweeping import USUAL_DISCARD
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import FEW, at_surface, listed, listed_or_counted, plural
@@ -149,6 +150,8 @@ def sweep_details(found: Diagram, shown: str = "") -> str:
         words += f" {found_all} every value."
     elif done:
         words += f" {found_all} {f'{whole:,}' if whole else 'none'} of the {plural(done, 'value')}."
+    if found.sparse:
+        words += f" No transient is discarded: most runs that meet the surface have at most {USUAL_DISCARD} points."
     words = f"{words} {examined_words(found)}".strip()
     hope = prospects(inputs.problem.declaration, "sweep", shown) if found.counts.any() or not done else ""
     return f"{words} {hope or examples_of('sweep', shown) * (2 * whole < done)}".strip()

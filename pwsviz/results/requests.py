@@ -195,7 +195,8 @@ class SweepInputs:
     direction: int
     continuation: str
     points: int
-    discard: int
+    discard: int | None
+    """None: see `pwsviz.results.sweeps.with_discard`."""
     t_end: float
 
     @property

@@ -20,12 +20,15 @@ from pwsviz.geometry.section_plane import in_first_turn
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.resting import ROUND_OFF
 from pwsviz.scene.names import short_name
+from pwsviz.scene.sweeping import USUAL_DISCARD
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 from pwsviz.text.advice import on_page
 from pwsviz.text.words import listed_or_counted
 
-__all__ = ["NO_CROSSING", "NO_START", "Diagram", "coarse_to_fine", "sweep_arguments", "swept", "swept_values"]
+__all__ = [
+    "NO_CROSSING", "NO_START", "Diagram", "coarse_to_fine", "sweep_arguments", "swept", "swept_values", "with_discard",
+]  # fmt: skip
 
 NO_START = -1
 """Outcome of a value at which no run can begin; the others are those of `core.Status`."""
@@ -51,6 +54,9 @@ MOST_STEPS_EXAMINED = 400_000
 STEPS_OF_EACH = 50_000
 """As many are made again to be examined: see `core.Ensemble.warning`."""
 
+TRIED = 16
+"""Values, evenly spaced, whose runs tell whether a transient can be discarded."""
+
 PORTION = 0.5
 """Seconds that a portion should take, after which it is drawn."""
 
@@ -74,6 +80,8 @@ class Diagram:
     Of an angle, full turns are left out."""
     refusal: str = ""
     """Why the first of the values at which no run can begin has none."""
+    sparse: bool = False
+    """Whether nothing is discarded because most runs have no more points than a transient."""
     warnings: tuple[str, ...] = ()
     """What is said against the runs in doubt, once all are done: of those that differ in numbers alone, the first."""
     examined: Floats = field(default_factory=lambda: np.empty(0))
@@ -127,8 +135,9 @@ def swept_values(inputs: SweepInputs) -> Floats:
 def sweep_arguments(inputs: SweepInputs) -> dict[str, Any]:
     """Return the keywords of `core.sweep`, except x0."""
     of, tolerance = inputs.of or None, inputs.scheme.tolerance
+    discard = USUAL_DISCARD if inputs.discard is None else inputs.discard
     return {
-        "points": inputs.points, "discard": inputs.discard, "continuation": inputs.continuation, "of": of,
+        "points": inputs.points, "discard": discard, "continuation": inputs.continuation, "of": of,
         "direction": inputs.direction, "tau": inputs.tau, "method": inputs.scheme.method, "tolerance": tolerance,
         "max_steps": MAX_STEPS, "sliding": inputs.scheme.sliding,
     }  # fmt: skip
@@ -154,9 +163,10 @@ def swept(inputs: SweepInputs, pool: Executor, cancel: Cancel, report: Report) -
     """
     if not inputs.parameter:
         raise ValueError(f"{inputs.problem.declaration.name} has no parameter, so there is nothing to sweep.")
+    automatic, inputs = inputs.discard is None, with_discard(inputs, pool, cancel)
     values = swept_values(inputs)
     nothing = np.zeros(len(values), dtype=np.int64)
-    found = Diagram(inputs, values, nothing + Status.RUNNING, nothing)
+    found = Diagram(inputs, values, nothing + Status.RUNNING, nothing, sparse=automatic and not inputs.discard)
     runs = _Runs(inputs, pool, cancel, report)
     for numbers in _portions(inputs, len(values)):
         found = runs.extended(found, numbers)
@@ -166,6 +176,22 @@ def swept(inputs: SweepInputs, pool: Executor, cancel: Cancel, report: Report) -
     if (found.outcomes == NO_START).all():
         raise ValueError(found.refusal)
     return runs.examined(found)
+
+
+def with_discard(inputs: SweepInputs, pool: Executor, cancel: Cancel) -> SweepInputs:
+    """Return inputs with the number of points discarded first, where that is left open.
+
+    It is `USUAL_DISCARD`, but none if the median run that meets the surface has no more points than that: it comes to
+    rest, or crosses rarely. Runs all over the range tell, whatever the present value: a click in the diagram sets that.
+    """
+    if inputs.discard is not None or not inputs.parameter:
+        return inputs
+    tried = replace(inputs, values=TRIED, points=USUAL_DISCARD + 1, discard=0, continuation="none")
+    values, nothing = swept_values(tried), np.zeros(TRIED, dtype=np.int64)
+    runs = _Runs(tried, pool, cancel, lambda *_: None)
+    counts = runs.extended(Diagram(tried, values, nothing + Status.RUNNING, nothing), np.arange(TRIED)).counts
+    met = counts[counts > 0]
+    return replace(inputs, discard=0 if len(met) and np.median(met) <= USUAL_DISCARD else USUAL_DISCARD)
 
 
 def _portions(inputs: SweepInputs, count: int) -> Iterator[NDArray[np.intp]]:

@@ -130,6 +130,8 @@ def _text(scene: Scene, key: str) -> str:
             return "auto" if value is None else ",".join(map(_decimal, value))
         case "stability_around":
             return "auto" if value is None else _decimal(value)
+        case "sweep_discard":
+            return "auto" if value is None else str(value)
         case "stability_coordinate":
             return str(variables[value])
         case "locate" | "slide" | "order_all" | "section_map":
@@ -358,7 +360,7 @@ def _take(scene: Scene, key: str, text: str) -> None:
         case "window" | "sweep_range":
             value = None if text == "auto" else tuple(map(_number, text.split(",")))
         case "stability_around":
-            value = None if text == "auto" else _number(text)
+            value = _number(text)
         case "stability_coordinate":
             value = _index(text, variables)
         case "section_axes":
@@ -375,8 +377,10 @@ def _take(scene: Scene, key: str, text: str) -> None:
             value = {str(order or "none"): order for order in scene.param[key].objects}.get(text, text)
         case "tolerance" | "perturbation_scale" | "section_points" | "section_discard" | "sweep_end":
             value = _number(text)
+        case "sweep_discard" if text == "auto":
+            value = None
         case _ if key in COUNTS:
-            value = _number(text)
+            value = None if text == "auto" else _number(text)
     scene.accept(key, value)
 
 

@@ -123,8 +123,9 @@ class Scene(param.Parameterized):
     sweep_values = param.Integer(default=400, bounds=COUNTS["sweep_values"][1:], doc="Values of the parameter.")
     sweep_points = param.Integer(default=100, bounds=COUNTS["sweep_points"][1:], doc="Points kept for each.")
     sweep_discard = param.Integer(
-        default=100, bounds=COUNTS["sweep_discard"][1:], doc="Points of each value discarded first."
-    )
+        default=None, allow_None=True, bounds=COUNTS["sweep_discard"][1:],
+        doc="Points of each value discarded first; None: those of a transient, unless most runs have no more.",
+    )  # fmt: skip
     sweep_end = param.Number(default=2000.0, bounds=(1e-3, 1e5), doc="Time at which a run ends that lacks points.")
 
     def __init__(self, **params: Any) -> None:

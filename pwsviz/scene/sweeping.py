@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pwsviz.scene.scene import Scene
 
 __all__ = [
-    "AFRESH", "COUNTS", "MOST_POINTS", "checked", "swept_coordinate",
+    "AFRESH", "COUNTS", "MOST_POINTS", "USUAL_DISCARD", "checked", "swept_coordinate",
     "swept_direction", "swept_parameter", "swept_range", "usual_parameter", "usual_range",
 ]  # fmt: skip
 
@@ -29,6 +29,9 @@ COUNTS = {
     "sweep_discard": ("The number of points discarded", 0, 1_000_000),
 }
 """Whole numbers of the settings: what each is, the least and the greatest."""
+
+USUAL_DISCARD = 100
+"""Points of each value discarded first where that is automatic, and most runs have more."""
 
 AFRESH: Mapping[str, Any] = {"sweep_parameter": "", "sweep_range": None, "sweep_coordinate": "", "sweep_of": ""}
 """Settings that mean something only for one system, with their values for a new one."""
@@ -107,6 +110,8 @@ def checked(scene: Scene, name: str, part: str, value: object) -> object:
     `part` is "0" for the first value of a range alone, "1" for its last; else it is empty.
     """
     system = scene.declaration
+    if name == "sweep_discard" and (value is None or str(value).strip() in ("", "auto")):
+        return None
     if name in COUNTS:
         return _checked_count(scene, name, value)
     match name:

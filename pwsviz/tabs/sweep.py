@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import panel as pn
@@ -77,6 +78,7 @@ class SweepTab(LongTab):
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         present = self.scene.values.get(outcome.inputs.parameter, math.nan)  # where another system has just been chosen
         self.view.show(outcome)
+        self.controls.tell_discarded(outcome.inputs.discard)
         self.view.mark(present, parameter_name(outcome.inputs))
         self._place.visible = bool(outcome.counts.any())
         return sweep_text(outcome, present)
@@ -158,7 +160,10 @@ class SweepTab(LongTab):
 
     def program(self) -> str:
         """Return the lines that repeat the sweep."""
-        return sweep_program(self.inputs())
+        inputs = self.inputs()
+        if inputs.discard is None and self.outcome is not None:
+            inputs = replace(inputs, discard=self.outcome.inputs.discard)
+        return sweep_program(inputs)
 
 
 def _rounded(value: float, width: float) -> float:

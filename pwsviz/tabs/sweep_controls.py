@@ -12,7 +12,7 @@ from pwsviz.geometry.projection import surface_texts
 from pwsviz.geometry.section_crossings import is_one_way
 from pwsviz.scene.names import LABELS, SWEEP_CONTINUATIONS, SWEEP_DIRECTIONS, readable, short_name
 from pwsviz.scene.scene import Scene
-from pwsviz.scene.sweeping import swept_coordinate, swept_parameter, swept_range
+from pwsviz.scene.sweeping import USUAL_DISCARD, swept_coordinate, swept_parameter, swept_range
 from pwsviz.scene.views import SWEEP_SETTINGS
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
@@ -25,6 +25,9 @@ from pwsviz.widgets.setting_buttons import choice
 
 __all__ = ["SweepControls"]
 
+AUTOMATIC = "auto"
+"""Stands for a number that is chosen from the runs."""
+
 OTHER = "other"
 """Stands for a surface whose function is typed."""
 
@@ -34,7 +37,8 @@ ROW_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 110px !i
 ABOUT = {
     "sweep_values": "How many values of the parameter, evenly spaced.",
     "sweep_points": "How many points are kept for each value.",
-    "sweep_discard": "How many points are discarded first: the transient.",
+    "sweep_discard": "How many points are discarded first: the transient. “auto” stands "
+    f"for {USUAL_DISCARD}, or for none if most runs have no more points.",
     "sweep_end": "A run that has not all its points by this time ends there.",
 }
 """Tooltips of the numbers behind “more”."""
@@ -63,6 +67,7 @@ class SweepControls(pn.viewable.Viewer):
         )
         self.box = pn.Column(margin=0, sizing_mode="stretch_width", visible=False)
         self.numbers: dict[str, NumberField] = {}
+        self._discarded = USUAL_DISCARD  # in the diagram shown
         self._asked = False  # for another function, of which nothing is known yet
         scene.param.watch(self._sync, [*SWEEP_SETTINGS, *system, "methods"])
         self._sync()
@@ -100,7 +105,13 @@ class SweepControls(pn.viewable.Viewer):
         )
         self.function.param.watch(self._take_function, "value")
         self.numbers = {
-            key: NumberField(LABELS[key], partial(getattr, scene, key), partial(scene.accept, key), description=about)
+            key: NumberField(
+                LABELS[key],
+                partial(self._count, key),
+                partial(scene.accept, key),
+                description=about,
+                written=partial(self._written, key),
+            )
             for key, about in ABOUT.items()
         }
         self._direction = choice(
@@ -116,6 +127,20 @@ class SweepControls(pn.viewable.Viewer):
             pn.Row(*self.numbers.values(), **row),
         ]
         self._sync()
+
+    def _count(self, key: str) -> float:
+        """Return one of the numbers; where it is automatic, that of the diagram shown."""
+        value = getattr(self.scene, key)
+        return float(self._discarded if value is None else value)
+
+    def _written(self, key: str) -> str:
+        return AUTOMATIC if getattr(self.scene, key) is None else ""
+
+    def tell_discarded(self, number: int | None) -> None:
+        """Show how many points are discarded in a diagram, if that is automatic."""
+        if number is not None:
+            self._discarded = number
+            self._sync()
 
     def _surfaces(self) -> dict[str, str]:
         """Return the surfaces offered: their functions by what the list says."""

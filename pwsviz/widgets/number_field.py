@@ -76,6 +76,8 @@ class NumberField(pn.viewable.Viewer):
         What the number is.
     later : callable, optional
         Takes a function that shows the number to which the slider was moved, and calls it.
+    written : callable, optional
+        Returns what is written for the number in the scene, with the number beside it; empty for the number itself.
     """
 
     def __init__(
@@ -87,12 +89,13 @@ class NumberField(pn.viewable.Viewer):
         logarithmic: bool = False,
         description: str = "",
         later: Later = at_once,
+        written: Callable[[], str] = str,
     ) -> None:
         super().__init__()
-        self._read, self._accept, self._later = read, accept, later
+        self._read, self._accept, self._later, self._written = read, accept, later, written
         self._log = logarithmic
         self._syncing = False
-        self._shown = math.nan
+        self._shown, self._shown_as = math.nan, ""
         self.entry = NumberEntry(
             label=label, description=description, sizing_mode="stretch_width", margin=0, **self._track(bounds, read())
         )
@@ -170,14 +173,14 @@ class NumberField(pn.viewable.Viewer):
 
     def sync(self) -> None:
         """Show the number in the scene, if it has changed; else a refused text stays, with the reason."""
-        value = self._read()
-        if value != self._shown:
+        value, written = self._read(), self._written()
+        if value != self._shown or written != self._shown_as:
             self._show(value)
 
     def _show(self, value: float, typed: str = "") -> None:
         """Show a number, as it was typed if that is a formula."""
-        self._shown = value
-        changes: dict[str, Any] = _told(value, typed)
+        self._shown, self._shown_as = value, self._written()
+        changes: dict[str, Any] = _told(value, typed or self._shown_as)
         if self.entry.ends is not None and self._from_slider(self.entry.place) != value:
             low, high = self.entry.ends
             changes["place"] = min(max(self._to_slider(value), low), high)

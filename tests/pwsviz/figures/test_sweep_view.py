@@ -161,9 +161,8 @@ def test_points_that_come_closer_to_a_cycle_each_time_are_told_from_others(point
 
 
 def test_how_names_all_that_repeats_the_diagram():
-    inputs = SweepInputs.of_scene(
-        Scene(sweep_of="x - 1", sweep_direction=-1, sweep_continuation="up", methods=["taylor"], study_method="taylor")
-    )
+    chosen = {"sweep_of": "x - 1", "sweep_direction": -1, "sweep_continuation": "up", "study_method": "taylor"}
+    inputs = SweepInputs.of_scene(Scene(methods=["taylor"], sweep_discard=100, **chosen))
     assert surface_words(inputs) == "the surface x − 1 = 0 where the function decreases"
     how = sweep_how(inputs)
     for words in (
@@ -172,7 +171,7 @@ def test_how_names_all_that_repeats_the_diagram():
         "next smaller value", "taylor with tolerance 10⁻¹²", "Filippov",
     ):  # fmt: skip
         assert words in how, words
-    told = sweep_how(SweepInputs.of_scene(Scene(system="stick_slip", methods=["rk4"])))
+    told = sweep_how(SweepInputs.of_scene(Scene(system="stick_slip", methods=["rk4"], sweep_discard=100)))
     assert "where the runs meet S, and where sliding begins on it, for" in told
     assert "at most the next 100 (t ≤ 2,000)" in told
     chua = {"system": "chua", "methods": ["taylor"]}
@@ -188,9 +187,9 @@ def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it
 
 def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
     nothing = "No run has more than the 100 crossings discarded first"
-    assert nothing in sweep_text(diagram([BLOWS_UP] * 7), 0.0)
+    assert nothing in sweep_text(diagram([BLOWS_UP] * 7, sweep_discard=100), 0.0)
     assert nothing not in sweep_text(MIXED, 0.0)
-    most = diagram([LIMIT, *[DONE] * 6])
+    most = diagram([LIMIT, *[DONE] * 6], sweep_discard=100)
     most.counts[1:] = 0
     words = "For 6 of the values no run has more than the 100 crossings discarded first: discard fewer, or, unless"
     assert words in sweep_text(most, 0.0)

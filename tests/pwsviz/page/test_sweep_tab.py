@@ -11,6 +11,7 @@ from pwsviz.figures.section_prospects import prospects
 from pwsviz.geometry.window import Window
 from pwsviz.page.explorer import Explorer
 from pwsviz.results.results import Results
+from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
 
@@ -144,6 +145,25 @@ def test_a_diagram_without_points_leaves_its_room_to_the_words():
     page = opened(system="bouncing_ball", sweep_parameter="gravity", sweep_discard=400)
     assert not page.view._place.visible
     assert "No run has more than the 400 crossings discarded first" in page.view.words.object
+    page.close()
+
+
+def test_the_number_of_discarded_points_is_shown_and_repeated_where_it_is_automatic():
+    page = opened(system="coulomb_friction", methods=["dmm2"], tau=0.01, sweep_discard=None)
+    tab = page.view
+    tab.controls._open()
+    entry = tab.controls.numbers["sweep_discard"].entry
+    assert (entry.text, entry.note) == ("auto", "= 0")
+    assert tab._place.visible
+    assert "discard" not in tab.program(), "0 is the default of the function"
+    tab.controls.numbers["sweep_discard"].type("2")
+    page.settle(60)
+    assert (entry.text, entry.note, page.scene.sweep_discard) == ("2", "", 2)
+    assert "sweep_discard=2" in query(page.scene)
+    tab.controls.numbers["sweep_discard"].type("auto")
+    assert page.settle(60)
+    assert (entry.text, entry.note, page.scene.sweep_discard) == ("auto", "= 0", None)
+    assert "sweep_discard" not in query(page.scene)
     page.close()
 
 

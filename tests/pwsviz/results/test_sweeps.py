@@ -9,10 +9,18 @@ from scipy.integrate import solve_ivp
 
 import core
 from core import Status
-from pwsviz.figures.sweep_text import period_of, sweep_numbers, sweep_text
+from pwsviz.figures.sweep_text import period_of, sweep_details, sweep_numbers, sweep_text
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.results import Results
-from pwsviz.results.sweeps import NO_CROSSING, NO_START, coarse_to_fine, sweep_arguments, swept, swept_values
+from pwsviz.results.sweeps import (
+    NO_CROSSING,
+    NO_START,
+    coarse_to_fine,
+    sweep_arguments,
+    swept,
+    swept_values,
+    with_discard,
+)
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancelled
@@ -55,6 +63,28 @@ def test_the_points_are_those_of_the_limit_cycle_in_closed_form():
     q = np.exp(-np.pi * value / np.sqrt(1 - value**2))
     assert np.abs(x) == pytest.approx((1 + q) / (1 - q), abs=1e-10)
     assert (x[1:] * x[:-1] < 0)[np.diff(value) == 0].all(), "it turns left and right in turn"
+
+
+@pytest.mark.parametrize(
+    ("key", "discarded"),
+    [("coulomb_friction", 0), ("relay_feedback", 0), ("bouncing_ball", 0), ("type_upward", 0), ("elliptic_curve", 100),
+     ("stick_slip", 100), ("type_repelling", 100)],
+)  # fmt: skip
+def test_a_transient_is_discarded_unless_most_runs_end_within_it(key, discarded):
+    scene = Scene(system=key, methods=["dmm2"], sweep_values=16, sweep_points=20)
+    inputs = SweepInputs.of_scene(scene)
+    with ThreadPoolExecutor(1) as pool:
+        found = swept(inputs, pool, lambda: False, lambda *_: None)
+    assert (found.inputs.discard, found.sparse) == (discarded, not discarded)
+    if not discarded:
+        assert (found.counts > 0).sum() >= 8, "most runs have points to show"
+        assert "No transient is discarded" in sweep_details(found)
+
+
+def test_a_number_of_discarded_points_that_was_chosen_stays():
+    inputs = SweepInputs.of_scene(Scene(system="coulomb_friction", methods=["dmm2"], sweep_discard=100))
+    with ThreadPoolExecutor(1) as pool:
+        assert with_discard(inputs, pool, lambda: False) is inputs
 
 
 def test_the_bounces_of_the_example_double_where_theory_says():

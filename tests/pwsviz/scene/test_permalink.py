@@ -68,7 +68,7 @@ CHOICES = {
     "sweep_continuation": st.sampled_from(["none", "up", "down"]),
     "sweep_values": st.integers(2, 4000),
     "sweep_points": st.integers(1, 5000),
-    "sweep_discard": st.integers(0, 10**6),
+    "sweep_discard": st.none() | st.integers(0, 10**6),
     "sweep_end": st.floats(1e-3, 1e5),
     "x0.0": MODEST,
     "x0.1": MODEST,

@@ -121,6 +121,12 @@ def test_a_link_brings_the_diagram_back():
     assert {name: settings[name] for name in CHOSEN} == CHOSEN
 
 
+@pytest.mark.parametrize("text", ["auto", "100", "0"])
+def test_a_link_says_how_many_points_are_discarded_or_that_it_is_automatic(text):
+    settings, complaints = read(f"v=2&view=sweep&sweep_discard={text}")
+    assert (settings.get("sweep_discard"), complaints) == (None if text == "auto" else int(text), [])
+
+
 def test_each_value_of_a_link_is_judged_by_itself():
     settings, complaints = read(
         "v=2&sweep_parameter=nowhere&sweep_range=1,0&sweep_values=1e9&sweep_points=33&sweep_of=__x__"
