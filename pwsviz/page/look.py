@@ -40,17 +40,15 @@ TABS_SX = {
         "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "4px", "letterSpacing": 0,
         "fontSize": "min(0.775rem, max(12.4px, 1.25cqi))",  # what is larger in lecture mode keeps to one row, too
     },
-    f"@media (height < {LOW}px)": {".MuiTab-root": {"minHeight": 30, "paddingY": "4px"}},  # two rows on a phone
-    ".MuiTabs-list": {"flexWrap": "wrap"},
+    f"@media (height < {LOW}px)": {".MuiTab-root": {"minHeight": 30, "paddingY": "4px"}},
     "@container (925px <= width < 1060px)": {
         ".MuiTab-root": {"paddingX": "2.4px", "fontSize": "12px", "letterSpacing": "-0.01em"},
     },
-    "@container (880px <= width < 925px)": {".MuiTabs-list": {"maxWidth": "330px"}},  # too narrow for one row
-    ".MuiTabs-indicator": {"display": "none"},  # knows of one row only
+    ".MuiTabs-indicator": {"display": "none"},  # the shadow is there from the first paint on
     ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
     "@media (forced-colors: active)": {".MuiTab-root.Mui-selected": {"borderBottom": "3px solid Highlight"}},
 }  # fmt: skip
-"""Titles as narrow as possible: in one row from 1280 pixels of screen on, in two of much the same length before."""
+"""Titles as narrow as possible: all are seen from 1280 pixels of screen on, before that their row scrolls sideways."""
 
 ABOUT_CSS = """
 footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;

@@ -7,6 +7,8 @@ from typing import ClassVar
 import panel as pn
 import param
 
+from pwsviz.widgets.browser import NARROW
+
 __all__ = ["SEEN_NAME", "Choices"]
 
 CHOICES_CSS = """
@@ -18,14 +20,16 @@ fieldset:has([role=group]) { padding: 0; gap: 4px 12px; }
 [role=group] input { margin-right: 4px; }
 legend { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
 label { display: inline-flex; align-items: center; min-width: 24px; min-height: 26px; cursor: pointer; }
-input { width: 18px; height: 18px; margin: 0 6px 0 0; flex: none; cursor: pointer;
-        accent-color: var(--mui-palette-primary-main); }
+input { margin: 0 6px 0 0; flex: none; cursor: pointer; accent-color: var(--mui-palette-primary-main); }
+@media (pointer: coarse) or (width < NARROWpx) {
+    input { min-width: 24px; min-height: 24px; } label { min-height: 32px; }
+}
 input:focus-visible { outline: 2px solid var(--mui-palette-primary-main); outline-offset: 2px; }
 span[title]:not([title=""]):has(input:focus-visible)::after {
     content: attr(title); position: absolute; inset: calc(100% + 4px) 0 auto; z-index: 1; padding: 4px 8px;
     white-space: normal; border-radius: 4px; font-size: 0.8rem; color: var(--mui-palette-background-paper);
     background: var(--mui-palette-text-primary); }
-"""
+""".replace("NARROW", str(NARROW))
 
 
 SEEN_NAME = """
