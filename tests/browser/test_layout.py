@@ -53,9 +53,16 @@ def test_on_narrower_screens_the_row_of_titles_scrolls_to_the_one_chosen(visit, 
 
     assert len({tab.bounding_box()["y"] for tab in tabs}) == 1
     assert becomes(page, lambda: sides(tabs[-1])[1] <= size[0]), "it was chosen by the link"
-    tabs[-1].focus()
-    page.keyboard.press("Home")
-    assert becomes(page, lambda: sides(tabs[0])[0] >= 0 and sides(tabs[0])[1] <= size[0])
+    page.get_by_text("The scheme: dmm2").wait_for()
+    await_painted(page, "Phase portrait")
+
+    def first_is_seen():
+        tabs[-1].focus()
+        page.keyboard.press("Home")
+        page.wait_for_timeout(500)  # it scrolls smoothly
+        return sides(tabs[0])[0] >= 0 and sides(tabs[0])[1] <= size[0]
+
+    assert becomes(page, first_is_seen)
     assert page.evaluate("document.documentElement.scrollWidth") <= size[0], "the page itself does not scroll sideways"
 
 
