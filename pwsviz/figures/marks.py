@@ -24,7 +24,10 @@ __all__ = [
     "star_labels",
 ]
 
-KIND_WORDS = {"transversal": "crossing", "sliding": "sliding begins", "leaving": "sliding ends", "corner": "corner"}
+KIND_WORDS = {
+    "transversal": "crossing", "grazing": "tangency", "sliding": "sliding begins", "leaving": "sliding ends",
+    "corner": "corner",
+}  # fmt: skip
 """What legends call crossings of some kinds; others by their own name."""
 
 KIND_MARKERS = {
@@ -61,7 +64,7 @@ class EndLook(NamedTuple):
 ENDS = {
     Status.SLIDING: EndLook("sliding", "square_x", GREEN),
     Status.REPELLING: EndLook("repelling", "y", GREEN),
-    Status.GRAZING: EndLook("grazing", "diamond_cross", VERMILION),
+    Status.GRAZING: EndLook("tangency", "diamond_cross", VERMILION),
     Status.CORNER: EndLook("corner", "asterisk", VERMILION),
     Status.UNDECLARED: EndLook("no law", "circle_cross", VERMILION),
     Status.ZENO: EndLook("Zeno", "x", AMBER),

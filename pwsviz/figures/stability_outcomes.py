@@ -40,7 +40,7 @@ OUTCOMES: Mapping[int, Outcome] = {
     Status.NO_CONVERGENCE: Outcome("a step has no solution", PURPLE),
     Status.SINGULAR: Outcome("a step passes a singularity", "#db2777"),
     Status.SLIDING: Outcome("stops: sliding", GREEN),
-    Status.GRAZING: Outcome("stops: touches the surface", BROWN),
+    Status.GRAZING: Outcome("stops: tangent to the surface", BROWN),
     Status.ZENO: Outcome("stops: accumulation (Zeno)", VIOLET),
     Status.REPELLING: Outcome("stops: repelled from both sides", BLUE),
     Status.CORNER: Outcome("stops: two surfaces at once", "#b45309"),

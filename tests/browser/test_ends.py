@@ -56,7 +56,7 @@ def shown(visit):
 def test_a_touch_is_marked_whichever_start_is_selected(shown):
     page = shown("grazing")
     assert painted(page, (0.5, 0.0), rgb(VERMILION)) > 20  # vermilion, at the end of start 3
-    page.get_by_text(re.compile(r"Start 1 of 3\. Start 3 stops early \(grazing\)")).wait_for()
+    page.get_by_text(re.compile(r"Start 1 of 3\. Start 3 stops early \(tangency\)")).wait_for()
 
 
 def test_runs_that_slide_end_there_and_do_not_look_joined(shown):

@@ -44,7 +44,7 @@ def test_every_start_has_its_marks_whichever_is_selected(selected):
     assert 2 in marks["start"]
     assert 1 not in marks["start"], "it falls short"
     assert marks["chosen"] == [number == 1 + selected for number in marks["start"]]
-    assert list(zip(ends["start"], ends["label"], strict=True)) == [(3, "end: grazing")]
+    assert list(zip(ends["start"], ends["label"], strict=True)) == [(3, "end: tangency")]
     assert abs(ends["x"][0] - 0.5) < 1e-6
 
 
