@@ -32,7 +32,7 @@ def prospects(system: core.PiecewiseSystem, view: str, shown: str = "") -> str:
     if _is_flow_in_the_plane(system):
         words.append(
             "A bounded orbit of an autonomous planar system generically is, or approaches, an equilibrium or a closed "
-            "orbit, so only a few distinct points remain."
+            "orbit, so that few distinct points remain after a transient."
         )
     if _conserves(system):
         words.append(

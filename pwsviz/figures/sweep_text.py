@@ -203,7 +203,7 @@ def _nothing_left(found: Diagram) -> str:
         return ""
     crossings = plural(found.inputs.discard, "crossing")
     longer = (found.outcomes[none] == Status.COMPLETED).any()
-    do = "discard fewer, or, unless they have come to rest, let runs last longer" if longer else "discard fewer"
+    do = "discard fewer, or let runs last longer, unless they have come to rest" if longer else "discard fewer"
     who = "No run has" if not found.counts.any() else f"For {none.sum():,} of the values no run has"
     return f"{who} more than the {crossings} discarded first: {do} (“more”)."
 
