@@ -5,7 +5,7 @@ import pytest
 import core
 from pwsviz.figures.section_prospects import prospects
 
-FEW, OTHERS = "only a few distinct points remain", "other starts may give a different section"
+FEW, OTHERS = "few distinct points remain after a transient", "other starts may give a different section"
 
 
 @pytest.mark.parametrize(
