@@ -191,7 +191,7 @@ def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
     assert nothing not in sweep_text(MIXED, 0.0)
     most = diagram([LIMIT, *[DONE] * 6], sweep_discard=100)
     most.counts[1:] = 0
-    words = "For 6 of the values no run has more than the 100 crossings discarded first: discard fewer, or, unless"
+    words = "For 6 of the values no run has more than the 100 crossings discarded first: discard fewer, or let"
     assert words in sweep_text(most, 0.0)
     assert nothing not in sweep_text(diagram([BLOWS_UP] * 7, sweep_discard=0), 0.0)
 
