@@ -95,15 +95,14 @@ _REASONS = {
     "not tell to which side the solution leads",
     _AtSurface.BEGINS: "the initial value is on the surface, and a field is tangent to it there, so that it does not "
     "tell to which side the solution leads",
-    _AtSurface.RESTS: "the state is on the surface, and the field vanishes there",
+    _AtSurface.RESTS: "the state is on the surface, where all fields vanish, and rests there",
 }
 
 _ADVICE = {
     _AtSurface.MET: "No step size helps: change the field beyond, the initial condition or a parameter so that the "
     "field there leads away from the surface, or back to it.",
     _AtSurface.BEGINS: "Start off the surface, on the side you want.",
-    _AtSurface.RESTS: "If the field of the other side vanishes there, too, the solution rests; if not, start off the "
-    "surface, on the side you want.",
+    _AtSurface.RESTS: "For a solution that moves, start elsewhere.",
 }
 
 
@@ -330,8 +329,8 @@ def _at_surface(end: Ending) -> _AtSurface | None:
     laws, begins = end.system.laws, end.last.mode == NO_MODE
     if end.status is not Status.GRAZING or end.slides:
         return None
-    modes = range(len(laws.regions)) if begins else (end.last.mode,)
-    if all(not _known(end, mode, laws.mode(mode).written.field)[1].any() for mode in modes):
+    fields = [laws.mode(mode).written.field for mode in range(len(laws.regions))]
+    if not laws.names_time and not any(_known(end, mode, field)[1].any() for mode, field in enumerate(fields)):
         return _AtSurface.RESTS
     if begins:
         return _AtSurface.BEGINS

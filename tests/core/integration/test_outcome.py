@@ -102,7 +102,7 @@ def test_a_surface_that_is_met_for_certain_is_not_said_to_be_touched(method, f_m
 
 def test_what_rests_on_the_surface_or_begins_there_is_not_said_to_touch_it():
     rests = _ended(("y", "-x"), ("y", "-x"), "x", (0.0, 0.0))
-    assert "the field vanishes there" in rests.message
+    assert "on the surface, where all fields vanish, and rests there" in rests.message
     begins = _ended(("1", "0"), ("1", "0"), "y", (0.0, 0.0))
     assert "the initial value is on the surface, and a field is tangent to it there" in begins.message
     assert all("touches" not in run.message for run in (rests, begins))
