@@ -44,6 +44,7 @@ TABS_SX = {
     "@container (925px <= width < 1060px)": {
         ".MuiTab-root": {"paddingX": "2.4px", "fontSize": "12px", "letterSpacing": "-0.01em"},
     },
+    "@container (1060px <= width < 1350px)": {".MuiTab-root": {"fontSize": "min(0.775rem, 13px)"}},  # of a lecture
     ".MuiTabs-indicator": {"display": "none"},  # the shadow is there from the first paint on
     ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
     "@media (forced-colors: active)": {".MuiTab-root.Mui-selected": {"borderBottom": "3px solid Highlight"}},
