@@ -79,7 +79,7 @@ def _astray(run: Trajectory, finer: Trajectory) -> tuple[float, bool] | None:
     times = run.t[0] + (run.t[last] - run.t[0]) * (np.arange(1, _TIMES + 1) - _UNEVEN) / (_TIMES - _UNEVEN)
     forced, jumps = run.system.laws.names_time, run.system.laws.jumps
     passes = None if forced or METHODS[run.method].adaptive else SlowPasses(run, finer)
-    slow = passes.rows[passes.rows < last].tolist() if passes else []
+    slow = [row for row in passes.rows if row < last] if passes else []
     rows = np.unique([*np.searchsorted(way * run.t[:last], way * times[:-1]), last, *slow])
     rows = rows[resolvable(run, run.t[rows]) & np.isfinite(run.x[rows]).all(axis=1)]  # at a pole every error grows
     low, high = np.minimum.accumulate(run.x), np.maximum.accumulate(run.x)

@@ -27,6 +27,8 @@ __all__ = ["near_touches", "times_of_near_touches"]
 _ROUNDINGS = 16.0
 #: A run is made again if a pass is slighter than this many times what its local errors add up to: errors may grow.
 _GROWTH = 1e6
+#: Largest least height of a slight pass, as part of the largest height of all.
+_SLIGHT = 0.1
 #: Most steps of a run that is made again: beyond, what its local errors add up to stands for its error.
 _MOST_STEPS = 500_000
 #: Part of the tolerance with which a method that chooses its steps makes a run again.
@@ -218,7 +220,18 @@ class _Search:
         near = abs(place.t - least.t) <= _NEAR * self.longest
         near &= (_LEADS[0] if far else 0.0) < self.lead(least) / self.longest <= _LEADS[far]
         told = self.run.status in _TOUCHES and abs(self.run.t[-1] - least.t) <= self.longest
-        return near and not told and abs(least.height) <= _GROWTH * self.local_error(place, least)
+        if not near or told or abs(least.height) > _GROWTH * self.local_error(place, least):
+            return False
+        return abs(least.height) <= _SLIGHT * self.range_of_height(place)
+
+    def range_of_height(self, place: _Place) -> float:
+        """Largest size of a height at all states recorded: of a pass far from 0, no error that matters is as large."""
+        laws, run = self.run.system.laws, self.run
+        height = laws.mode(place.mode).written.heights[place.guard]
+        values = laws.evaluate(
+            ("range of height", place.mode, place.guard), (height,), run.t, run.x, run.system.parameter_array
+        )
+        return float(np.nanmax(np.abs(values), initial=0.0))
 
     def lead(self, least: _Least) -> float:
         """Time before the least height at which another run is compared: the height is some times as large then."""

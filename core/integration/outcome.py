@@ -91,16 +91,16 @@ class _AtSurface(Enum):
 
 
 _REASONS = {
-    _AtSurface.MET: "the trajectory meets the surface, but the field beyond is tangent to it there, so that it does "
-    "not tell to which side the solution leads",
-    _AtSurface.BEGINS: "the initial value is on the surface, and a field is tangent to it there, so that it does not "
-    "tell to which side the solution leads",
+    _AtSurface.MET: "the trajectory meets the surface where the field beyond is tangent to it, or vanishes: how the "
+    "solution goes on is told by higher derivatives, which a run does not ask for",
+    _AtSurface.BEGINS: "the initial value is on the surface, and a field is tangent to it there, or vanishes: rates do "
+    "not tell how the solution goes on",
     _AtSurface.RESTS: "the state is on the surface, where all fields vanish, and rests there",
 }
 
 _ADVICE = {
-    _AtSurface.MET: "No step size helps: change the field beyond, the initial condition or a parameter so that the "
-    "field there leads away from the surface, or back to it.",
+    _AtSurface.MET: "No step size helps: change the initial condition or a parameter slightly, or begin beyond the "
+    "surface.",
     _AtSurface.BEGINS: "Start off the surface, on the side you want.",
     _AtSurface.RESTS: "For a solution that moves, start elsewhere.",
 }

@@ -207,7 +207,7 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
         for k, name in enumerate(study.methods)
         if largest.done[k]
     )
-    caption = f"Largest successful step size of runs from the chosen start{_until(study, largest)}"
+    caption = f"Largest step size with correct crossings, of runs from the chosen start{_until(study, largest)}"
     return Numbers(("integrator", "largest successful τ", "smallest failing τ", "reason"), rows, caption=caption)
 
 
@@ -226,7 +226,7 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
         return f", from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected != core.Status.COMPLETED:
         return f", from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
-    near = f", a quarter of the time between crossings from the nearest one, as t = {end:.4g} is nearer"
+    near = f" rather than {end:.4g}, which is too close to a crossing"
     return f" to t = {horizon:.4g}{near * (horizon != end)}"
 
 

@@ -151,7 +151,8 @@ def sweep_details(found: Diagram, shown: str = "") -> str:
     elif done:
         words += f" {found_all} {f'{whole:,}' if whole else 'none'} of the {plural(done, 'value')}."
     if found.sparse:
-        words += f" No transient is discarded: most runs that meet the surface have at most {USUAL_DISCARD} points."
+        few = f"have at most {USUAL_DISCARD} points, or points that have faded to 0 by then"
+        words += f" No transient is discarded: most runs that meet the surface {few}."
     words = f"{words} {examined_words(found)}".strip()
     hope = prospects(inputs.problem.declaration, "sweep", shown) if found.counts.any() or not done else ""
     return f"{words} {hope or examples_of('sweep', shown) * (2 * whole < done)}".strip()
@@ -177,6 +178,8 @@ def _at_present(found: Diagram, present: float) -> str:
         return f"{at} no period is stated: the nearest runs examined, at {values}, are in doubt."
     turn = TURN if inputs.column in angles(inputs.problem.declaration) else math.inf
     if (period := period_of(points, height, turn, found.round_off)) == 1:
+        if np.abs(points).max() <= found.round_off:
+            return f"{at} all points are 0 up to round-off."
         return f"{at} all points are the same: {points[-1]:.6g}."
     if period:
         declared = inputs.problem.declaration

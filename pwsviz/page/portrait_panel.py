@@ -55,7 +55,7 @@ BESIDE = 0.01
 """Seconds of quiet before field and surface are computed: any at all, so that they do not take turns with what waits
 for compilation."""
 
-FIRST_WAIT = "Compiling the integrators, once on this machine: half a minute to one. The trajectory follows …"
+FIRST_WAIT = "Computing the trajectory. An integrator new to this machine is compiled first: half a minute to one …"
 """What is said meanwhile."""
 
 LONG_WAIT = 1500

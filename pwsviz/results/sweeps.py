@@ -60,6 +60,9 @@ TRIED = 16
 PORTION = 0.5
 """Seconds that a portion should take, after which it is drawn."""
 
+FADED, LAST = 1e-3, 10
+"""Part of the largest point of a run within which so many of its last ones show that it decays."""
+
 _NUMBER = re.compile(r"-?\d[\d.,]*(e[+-]?\d+)?")
 
 
@@ -181,17 +184,23 @@ def swept(inputs: SweepInputs, pool: Executor, cancel: Cancel, report: Report) -
 def with_discard(inputs: SweepInputs, pool: Executor, cancel: Cancel) -> SweepInputs:
     """Return inputs with the number of points discarded first, where that is left open.
 
-    It is `USUAL_DISCARD`, but none if the median run that meets the surface has no more points than that: it comes to
-    rest, or crosses rarely. Runs all over the range tell, whatever the present value: a click in the diagram sets that.
+    It is `USUAL_DISCARD`, but none if most runs that meet the surface are all transient: they come to rest or cross
+    rarely. Runs all over the range tell, whatever the present value: a click in the diagram sets that.
     """
     if inputs.discard is not None or not inputs.parameter:
         return inputs
     tried = replace(inputs, values=TRIED, points=USUAL_DISCARD + 1, discard=0, continuation="none")
     values, nothing = swept_values(tried), np.zeros(TRIED, dtype=np.int64)
     runs = _Runs(tried, pool, cancel, lambda *_: None)
-    counts = runs.extended(Diagram(tried, values, nothing + Status.RUNNING, nothing), np.arange(TRIED)).counts
-    met = counts[counts > 0]
-    return replace(inputs, discard=0 if len(met) and np.median(met) <= USUAL_DISCARD else USUAL_DISCARD)
+    found = runs.extended(Diagram(tried, values, nothing + Status.RUNNING, nothing), np.arange(TRIED))
+    transient = [_is_transient(found.points_at(float(value))) for value in values[found.counts > 0]]
+    return replace(inputs, discard=0 if 2 * sum(transient) >= max(len(transient), 1) else USUAL_DISCARD)
+
+
+def _is_transient(points: Floats) -> bool:
+    """Whether a run has no more points than are discarded, or these have faded by then."""
+    sizes = np.abs(points)
+    return len(points) <= USUAL_DISCARD or bool(sizes[-LAST:].max() <= FADED * sizes.max())
 
 
 def _portions(inputs: SweepInputs, count: int) -> Iterator[NDArray[np.intp]]:

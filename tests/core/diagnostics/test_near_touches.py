@@ -79,3 +79,13 @@ def test_a_pass_that_is_within_the_error_of_many_steps_is_told():
     for method in ("dmm2", "rk2"):
         run = core.integrate(system, (0.0, 188.0), tau=0.02, method=method)
         assert WORDS in run.warning, (method, run.crossing_count, run.warning)
+
+
+@pytest.mark.parametrize(("method", "tau"), [("rk8", 0.15), ("gauss4", 0.075), ("rk4", 0.075)])
+def test_a_crossing_beyond_which_the_law_would_come_to_a_least_height_far_away_is_no_pass(method, tau):
+    """x relaxes to y and crosses at 0.038; with the law before, g would come to −1.0 later."""
+    law = ("(y - x)/0.15", "-x")
+    relaxing = core.PiecewiseSystem("Relaxing", ("x", "y"), law, law, "x + 0.13*y - 0.4", x0=(-0.2, 1.57))
+    run = core.integrate(relaxing, (0.0, 3.0), tau=tau, method=method)
+    assert run.crossings.t == pytest.approx([0.037953, 1.590238], abs=1e-5)
+    assert WORDS not in run.warning, run.warning

@@ -46,3 +46,31 @@ def test_a_slow_pass_that_leads_on_along_one_way_only_is_not(method):
         system = core.PiecewiseSystem("Slow", ("x", "y"), field, field, "x - 3", x0=x0)
         run = core.integrate(system, (0.0, 90.0), tau=0.02, method=method)
         assert SLOW not in run.warning, run.warning
+
+
+@pytest.mark.parametrize("beside", ["1", "s/20", "-s/20"])
+def test_variables_beside_the_saddle_that_go_on_hide_nothing(beside):
+    """Two wells, with energy 1.9e-7 above the saddle at x = 0: the run turns back there, and one in half steps, too."""
+    field, start = ("v", "x - x**3", beside), (-1.0253021895567906, 0.7061780036617021, 1.0)
+    system = core.PiecewiseSystem("Wells", ("x", "v", "s"), field, field, "x - 3/10", x0=start)
+    assert start[1] ** 2 / 2 - start[0] ** 2 / 2 + start[0] ** 4 / 4 > 0.0
+    run = core.integrate(system, (0.0, 16.93), tau=0.08851171752845383, method="rk2")
+    assert run.crossing_count == 0
+    assert SLOW in run.warning, run.warning
+
+
+def test_what_rests_at_the_end_is_not_said_to_go_on():
+    """On the unit circle a slide comes to rest, and so does a spiral: what follows is round-off."""
+    circle = core.PiecewiseSystem(
+        "Circle", ("x", "y"), ("-w*y + k*x + h", "w*x + k*y"), ("-w*y - k*x + h", "w*x - k*y"), "x**2 + y**2 - 1",
+        parameters={"w": 0.4466698735208987, "k": 3.5167347727274794, "h": 1.6580184613531936},
+        x0=(-0.6662760212798241, 0.7457052121767203),
+    )  # fmt: skip
+    slid = core.integrate(circle, (0.0, 53.4), tau=0.015, method="rk4", sliding="continue")
+    law = ("y", "-3*x - a*y + b", "-s")
+    spiral = core.PiecewiseSystem("Spiral", ("x", "y", "s"), law, law, "x + 5", parameters={"a": 1.1042, "b": 2.2222})
+    spirals = [
+        core.integrate(spiral, (0.0, 47.4), (1.756178924237274, y, 1.0), tau=0.018065, method="rk2")
+        for y in np.linspace(0.6, 0.7, 11)
+    ]
+    assert all(SLOW not in run.warning for run in (slid, *spirals))

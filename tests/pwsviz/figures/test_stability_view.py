@@ -311,7 +311,7 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
         (
             "elliptic_curve",
             20.0,
-            " to t = 20.07, a quarter of the time between crossings from the nearest one, as t = 20 is nearer",
+            " to t = 20.07 rather than 20, which is too close to a crossing",
         ),
         (
             core.PiecewiseSystem(
