@@ -20,6 +20,7 @@ def as_text(words: str, kind: str = "") -> str:
         return ""
     role = ' role="alert"' if kind == "error" else ""
     markup = _SIZE.sub(r'<span style="white-space: nowrap">\g<0></span>', escape(printed(words)))
+    markup = f"<span>{markup}</span>" if kind == "stopped" else markup  # in a lecture it lies over what follows
     return f'<p class="{kind}"{role}>{markup}</p>'
 
 

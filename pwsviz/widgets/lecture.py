@@ -57,6 +57,7 @@ export function render({ model }) {
     larger = new CustomJSTransform({ func: `return ${factor} * x`, v_func: `return xs.map(x => ${factor} * x)` })
     root.style.fontSize = factor > 1 ? `${100 * factor}%` : ""
     root.style.setProperty("--warned", factor < LARGER ? "nowrap" : "")
+    root.style.setProperty("--line", factor < LARGER ? "1lh" : "")  // pointed at, a warning lies over what follows
   }
   const enlarged = size => {
     if (typeof size == "number") return size * factor
@@ -143,7 +144,7 @@ export function render({ model }) {
       restore()
       placeTools(false)
       root.style.fontSize = ""
-      for (const name of ["--law", "--warned"]) { root.style.removeProperty(name) }
+      for (const name of ["--law", "--warned", "--line"]) { root.style.removeProperty(name) }
       for (const panel of fitted) { panel.style.removeProperty("--above") }
       if (document.fullscreenElement) document.exitFullscreen()
     }

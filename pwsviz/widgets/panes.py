@@ -37,7 +37,10 @@ p { margin: 0 0 2px 0; }
 @media (width >= 1150px) { .law { display: var(--law, block); } }
 .error { color: var(--mui-palette-error-main); }
 .stopped { border-left: 3px solid var(--mui-palette-warning-main); padding-left: 8px; margin: 4px 0; }
-.stopped:not(:hover) { white-space: var(--warned, normal); overflow: hidden; text-overflow: ellipsis; }
+.stopped { height: var(--line, auto); }
+.stopped > span { display: block; background: var(--mui-palette-background-default); }
+.stopped:not(:hover) > span { white-space: var(--warned, normal); overflow: hidden; text-overflow: ellipsis; }
+.stopped:hover > span { position: relative; z-index: 2; }
 .numbers { overflow-x: auto; margin: 2px 0 8px 0; }
 .numbers table { border-collapse: collapse; font-size: 0.8125rem; }
 .numbers caption { text-align: left; color: var(--mui-palette-text-secondary); padding-bottom: 2px;
