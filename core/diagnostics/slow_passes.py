@@ -85,4 +85,4 @@ def _rates(run: Trajectory) -> Floats:
         rows = run.mode == mode
         field = laws.mode(mode).written.field
         rates[rows] = laws.evaluate(("field", mode), field, run.t[rows], run.x[rows], p)
-    return np.asarray(np.nan_to_num(np.abs(rates), nan=np.inf))
+    return np.nan_to_num(np.abs(rates), nan=np.finfo(float).max)

@@ -26,7 +26,7 @@ _EPS = 2.0**-52
 _HALVINGS = 60
 #: Change of g in such a step, as part of what the field of a side alone would make, that is off the surface.
 _OFF = 0.25
-#: Shortest step to where both rates vanish, as part of τ.
+#: Shortest step to where both rates vanish, as part of the one asked for.
 _SHORTEST = 2.0**-20
 #: Increment of a coordinate for the difference quotients of g, relative to the state.
 _BESIDE = 2.0**-26
@@ -86,15 +86,16 @@ def cut_to_domain(context, t, h):
 
 
 @internal
-def cut_to_surface(context, t, h):
-    """The longest of h, h/2, h/4 … for which a step of a slide ends on the surface; 0 if none does. In other modes, h.
+def cut_to_surface(context, t, h, asked):
+    """The longest of h, h/2, h/4 … for which a step of a slide ends on the surface; in other modes, h.
 
-    Where both rates of g vanish at once the field of sliding is 0/0: a step beyond leads anywhere.
+    Where both rates of g vanish at once the field of sliding is 0/0: a step beyond leads anywhere. 0 if none does that
+    is longer than a small part of the one asked for.
     """
-    run = context.run
+    run, shortest = context.run, _SHORTEST * abs(asked)
     if not slides_in_steps(context):
         return h
-    while abs(h) >= _SHORTEST * abs(run.tau) and (run.tried == h or try_finite_step(context, t, h)):
+    while abs(h) >= shortest and (run.tried == h or try_finite_step(context, t, h)):
         if not (rates_change(run, context.w) and leaves_surface(context, t, h)):
             return h
         h *= 0.5

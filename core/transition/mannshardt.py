@@ -260,7 +260,7 @@ def advance(context, log, h):
     elif try_finite_step(context, t, h):
         if run.follow == 0:
             return step_over(context, log, t, h)
-        h = cut_to_surface(context, t, h)
+        h = cut_to_surface(context, t, h, asked)
         if h == 0.0:
             return _GRAZING
         found, length = locate(context, t, h, kind, low, high)
@@ -274,7 +274,7 @@ def advance(context, log, h):
         found, length = compare_guards(context, t, found, length)
     while lands_off_surface(context, t, h, found, length):
         look_at(run, context.w, 0)
-        h = cut_to_surface(context, t, 0.5 * (length if found == NONE else run.hit))
+        h = cut_to_surface(context, t, 0.5 * (length if found == NONE else run.hit), asked)
         if h == 0.0:
             return _GRAZING
         found, length = locate(context, t, h, NO_ROOT, 0.0, 0.0)
