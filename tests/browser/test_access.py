@@ -66,7 +66,7 @@ SAID = {
     "Crossing time": r"Reference: ",
     "Cost": r"Shortest measured run time",
     "Section": r"points on ",
-    "Stability": r"Largest successful step size",
+    "Stability": r"Largest step size with correct crossings",
     "Sweep": r"points",
     "Scheme": r"The scheme: dmm2",
 }
