@@ -84,7 +84,7 @@ class Diagram:
     refusal: str = ""
     """Why the first of the values at which no run can begin has none."""
     sparse: bool = False
-    """Whether nothing is discarded because most runs have no more points than a transient."""
+    """Whether nothing is discarded because most runs are all transient."""
     warnings: tuple[str, ...] = ()
     """What is said against the runs in doubt, once all are done: of those that differ in numbers alone, the first."""
     examined: Floats = field(default_factory=lambda: np.empty(0))

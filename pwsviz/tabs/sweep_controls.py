@@ -38,7 +38,7 @@ ABOUT = {
     "sweep_values": "How many values of the parameter, evenly spaced.",
     "sweep_points": "How many points are kept for each value.",
     "sweep_discard": "How many points are discarded first: the transient. “auto” stands "
-    f"for {USUAL_DISCARD}, or for none if most runs have no more points.",
+    f"for {USUAL_DISCARD}, or for none if most runs end or fade within them.",
     "sweep_end": "A run that has not all its points by this time ends there.",
 }
 """Tooltips of the numbers behind “more”."""
