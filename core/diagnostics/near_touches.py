@@ -177,7 +177,7 @@ class _Search:
             step = -after / bend * self.way
             if abs(step) <= 4.0 * _EPS * abs(place.t) or 0.5 * bend * step * step <= _EPS * noise:
                 break
-        return _Least(place.t + low, height, noise, bend)
+        return _Least(place.t + low, height, max(noise, self.noise_of_states(place)), bend)
 
     def height(self, place: _Place, s: float) -> tuple[float, float, float]:
         """Height, its rate along the run, and the bound on its rounding, at the end of steps of length s in all."""
@@ -226,12 +226,19 @@ class _Search:
 
     def range_of_height(self, place: _Place) -> float:
         """Largest size of a height at all states recorded: of a pass far from 0, no error that matters is as large."""
+        return float(np.nanmax(np.abs(self.heights(place)[:, 0]), initial=0.0))
+
+    def noise_of_states(self, place: _Place) -> float:
+        """Bound on the rounding of a height by that of the states before, of whose changes the state is the sum."""
+        before = self.way * (place.t - self.run.t) >= 0.0
+        return _ROUNDINGS * _EPS * float(np.nanmax(self.heights(place)[before, 1], initial=0.0))
+
+    def heights(self, place: _Place) -> Floats:
+        """A height, and the first-order bound on its rounding, at all states recorded; shape (n, 2)."""
         laws, run = self.run.system.laws, self.run
         height = laws.mode(place.mode).written.heights[place.guard]
-        values = laws.evaluate(
-            ("range of height", place.mode, place.guard), (height,), run.t, run.x, run.system.parameter_array
-        )
-        return float(np.nanmax(np.abs(values), initial=0.0))
+        wanted, p = (height, rounding_bound(height)), run.system.parameter_array
+        return laws.evaluate(("heights", place.mode, place.guard), wanted, run.t, run.x, p)
 
     def lead(self, least: _Least) -> float:
         """Time before the least height at which another run is compared: the height is some times as large then."""
@@ -248,7 +255,7 @@ class _Search:
     def error(self, place: _Place, least: _Least, since: float) -> float:
         """Twice the change of the least height in a run with smaller steps; inf where that one leads elsewhere.
 
-        Both are compared from a state on that the other run, too, has before it meets the surface, if it does. It may
+        Both go the last way to it with the same steps, whose error counts in proportion to the time. They are compared from a state on that the other run, too, has before it meets the surface, if it does. It may
         be earlier or later on the same way: that changes no height, unless the laws depend on the time.
         """
         if self.run.steps > _MOST_STEPS:
@@ -260,7 +267,8 @@ class _Search:
             return math.inf
         to_least = least.t - t - self.ahead(place, t, here, there.x)
         other = self.least(_Place(there.t, there.x, place.mode, place.guard), to_least)
-        return math.inf if other is None else 2.0 * abs(other.height - least.height)
+        whole = abs((least.t - self.run.t[0]) / (t - self.run.t[0]))
+        return math.inf if other is None else 2.0 * abs(other.height - least.height) * max(whole, 1.0)
 
     def same_place(self, mode: int, t: float, here: Floats) -> _There | None:
         """Where a run with smaller steps is in the same mode and place as this run; None if nowhere.

@@ -47,7 +47,7 @@ def keep_turns(context, log, h, height, rate):
             kept = GUARDS + KEPT * k
             low, rate_low = w[kept + HEIGHT], w[kept + RATE]
             high, rate_high = end_of_guard(run, w, k)
-        if rate_low < 0.0 < rate_high and low > 0.0 and high > 0.0:
+        if rate_low < 0.0 <= rate_high:
             bend = (rate_high - rate_low) / abs(h)
             least = min(low / bend - 0.5 * (rate_low / bend) ** 2, high / bend - 0.5 * (rate_high / bend) ** 2)
             run.guard = k

@@ -30,7 +30,7 @@ def stays_above(low, rate_low, height, rate, third):
     show a minimum of the height is left to `advance`.
     """
     above = low + rate_low * third > 0.0 and height - rate * third > 0.0
-    return above and 0.0 < height < math.inf and not (rate_low < 0.0 < rate)
+    return above and 0.0 < height < math.inf and not (rate_low < 0.0 <= rate)
 
 
 @internal

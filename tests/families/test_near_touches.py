@@ -75,3 +75,31 @@ def test_a_touch_is_told_although_the_solution_blows_up_later_and_what_is_clear_
             about = f"{method}, tau = {tau}, {wall} of {a}, pole at {pole}: {run.message}"
             assert run.status is core.Status.ESCAPED or (touches and run.status in TOUCHES), about
             assert bool(run.warning) == (touches and run.status not in TOUCHES), about
+
+
+#: y = sin t − c x² touches the moving surface y = sin t at x = 0.
+MOVING = core.PiecewiseSystem(
+    "Moving touch", ("x", "y"), ("1", "-2*c*x + cos(t)"), ("1", "3"), "y - sin(t)", parameters={"c": 1.0}
+)
+#: (x − a, y − b) turns on a circle, which touches y = b + top.
+CIRCLE = core.PiecewiseSystem(
+    "Circle", ("x", "y"), ("b - y", "x - a"), ("b - y + 1", "x - a + 2"), "y - b - top",
+    parameters={"a": 0.0, "b": 0.0, "top": 1.0},
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["rk2", "rk4", "rk8", "gauss4", "taylor"])
+def test_a_touch_at_the_end_of_a_step_is_told_and_what_passes_by_more_than_rounding_is_not(draws, method):
+    for rng in draws(40):
+        steps, c = int(rng.integers(2, 60)), float(rng.uniform(0.3, 3.0))
+        begin, top = float(rng.integers(1, 40)) / 16, 10.0 ** float(rng.uniform(-2.0, 2.0))
+        a, b = (float(u) for u in rng.uniform(-2.0, 2.0, 2))
+        moving, circle = MOVING.with_parameters(c=c), CIRCLE.with_parameters(a=a, b=b, top=top)
+        for system, x0, touch in ((moving, (-begin, -c * begin**2), begin), (circle, (a + top, b), math.pi / 2)):
+            tau = None if method == "taylor" else touch / steps
+            run = core.integrate(system, (0.0, touch + 1.0), x0, tau, method)
+            assert run.status is core.Status.GRAZING or run.warning, f"{system.values}, {x0}, tau = {tau}: {run.message}"
+        if method == "rk8":
+            passes = circle.with_parameters(a=a, b=b, top=top * (1.0 + 1e-9))
+            run = core.integrate(passes, (0.0, math.pi / 2 + 1.0), (a + top, b), math.pi / 2 / max(steps, 16), method)
+            assert not run.warning and not run.crossing_count, f"{passes.values}: {run.message}"

@@ -89,3 +89,14 @@ def test_a_crossing_beyond_which_the_law_would_come_to_a_least_height_far_away_i
     run = core.integrate(relaxing, (0.0, 3.0), tau=tau, method=method)
     assert run.crossings.t == pytest.approx([0.037953, 1.590238], abs=1e-5)
     assert WORDS not in run.warning, run.warning
+
+
+@pytest.mark.parametrize("beyond", ["3", "-3"])
+@pytest.mark.parametrize("tau", [0.05, 0.0625, 0.1])
+@pytest.mark.parametrize("method", ["rk2", "rk4", "rk8", "gauss4"])
+def test_a_touch_at_the_end_of_a_step_is_told(method, tau, beyond):
+    """y = −x² touches y = 0 at x = 0, where all methods but for rounding are exact: of what y was, not of what it is."""
+    system = core.PiecewiseSystem("Touch", ("x", "y"), ("1", "-2*x"), ("1", beyond), "y")
+    for n in range(1, 16):
+        run = core.integrate(system, (0.0, n * tau + 1.0), (-n * tau, -((n * tau) ** 2)), tau, method)
+        assert run.status is core.Status.GRAZING or WORDS in run.warning, f"{n} steps before it: {run.message}"
