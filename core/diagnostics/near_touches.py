@@ -255,8 +255,9 @@ class _Search:
     def error(self, place: _Place, least: _Least, since: float) -> float:
         """Twice the change of the least height in a run with smaller steps; inf where that one leads elsewhere.
 
-        Both go the last way to it with the same steps, whose error counts in proportion to the time. They are compared from a state on that the other run, too, has before it meets the surface, if it does. It may
-        be earlier or later on the same way: that changes no height, unless the laws depend on the time.
+        Both go the last way to it with the same steps, whose error counts in proportion to the time. They are compared
+        from a state on that the other run, too, has before it meets the surface, if it does. It may be earlier or later
+        on the same way: that changes no height, unless the laws depend on the time.
         """
         if self.run.steps > _MOST_STEPS:
             return self.local_error(place, least)

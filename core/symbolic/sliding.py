@@ -21,6 +21,7 @@ from sympy import Expr, Symbol
 
 from core.symbolic.algebra import cancel, together
 from core.symbolic.mode import Mode
+from core.symbolic.origin import Origin
 from core.symbolic.zero_testing import Domain, independent, is_larger, is_zero
 
 __all__ = ["eliminated", "sliding_mode"]
@@ -37,10 +38,11 @@ def sliding_mode(minus: Mode, plus: Mode, g: Expr, name: str) -> Mode:
     leaves. The other guards are those of both modes: further surfaces.
     """
     below, above = minus.rate_of(g), plus.rate_of(g)
+    origin = Origin.of((*minus.field, *plus.field, g), minus.variables)
     pairs = zip(minus.field, plus.field, strict=True)
-    field = tuple(_cancelled((below * b - above * a) / (below - above)) for a, b in pairs)
+    field = tuple(_cancelled((below * b - above * a) / (below - above), origin) for a, b in pairs)
     others = {u: s for mode in (minus, plus) for u, s in zip(mode.guards, mode.signs, strict=True) if u != g}
-    guards, signs = (_cancelled(below), _cancelled(above), *others), (1, -1, *others.values())
+    guards, signs = (_cancelled(below, origin), _cancelled(above, origin), *others), (1, -1, *others.values())
     sides = tuple(a if a == b else 0 for a, b in zip(minus.sides, plus.sides, strict=True))
     bare = Mode(name, sides, minus.variables, field, (), guards, signs, minus.taken, g)
     return replace(bare, conserved=tuple(_kept(bare, minus, plus)))
@@ -82,9 +84,10 @@ def _attracting(sliding: Mode) -> Domain:
     return Domain(positive=(below * above, *others))
 
 
-def _cancelled(u: Expr) -> Expr:
-    """u without common factors of numerator and denominator, if that makes it shorter."""
-    if is_larger(u, _CANCELLED_NODES):
+def _cancelled(u: Expr, origin: Origin) -> Expr:
+    """u without common factors of numerator and denominator, multiplied out about a point, if that is shorter."""
+    (about,) = origin.about((u,))
+    if is_larger(about, _CANCELLED_NODES):
         return u
-    short = cancel(together(u))
-    return short if short.count_ops() < u.count_ops() else u
+    short = cancel(together(about))
+    return origin.back(short) if short.count_ops() < about.count_ops() else u

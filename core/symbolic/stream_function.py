@@ -12,6 +12,7 @@ from sympy import Expr, Symbol
 from core.symbolic.algebra import antiderivative, simplify
 from core.symbolic.expressions import TIME
 from core.symbolic.operations import FUNCTIONS
+from core.symbolic.origin import Origin
 from core.symbolic.zero_testing import EVERYWHERE, Domain, has_values_throughout, is_zero, size_expanded
 
 __all__ = ["stream_function"]
@@ -48,34 +49,14 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol], domain: 
     domain = replace(domain, defined=(u, v))
     if not is_zero(u.diff(x) + v.diff(y), domain):
         return None
-    origin = {w: _origin(field, w, variables) for w in variables}
-    about = [f.xreplace({w: w + c for w, c in origin.items()}) for f in field]
-    sought = _potential(about[0], about[1], x, y)
+    origin = Origin.of(field, variables)
+    sought = _potential(*origin.about(field), x, y)
     if sought is None:
         return None
-    psi = _real_throughout(sought.xreplace({w: w - c for w, c in origin.items()}), domain)
+    psi = _real_throughout(origin.back(sought), domain)
     if psi is None or not psi.free_symbols:
         return None
     return psi if is_zero(psi.diff(y) - u, domain) and is_zero(psi.diff(x) + v, domain) else None
-
-
-def _origin(field: Sequence[Expr], variable: Symbol, variables: Sequence[Symbol]) -> Expr:
-    """The value of a variable about which the field is written most simply, such as c of −(x − c)³; 0 if at none.
-
-    Multiplied out about another one, its powers cancel: at x = 10⁴ those of a cubic law leave no digit of ψ.
-    """
-    offsets = {sympy.Integer(0)}
-    for node in (node for f in field for node in f.atoms(sympy.Add)):
-        rest, slope = node.as_independent(variable, as_Add=True)
-        factor, alone = slope.as_coeff_Mul()
-        if alone == variable and not rest.has(*variables):
-            offsets.add(-rest / factor)
-
-    def length(offset: Expr) -> tuple[float, str]:
-        moved = [f.xreplace({variable: variable + offset}) for f in field]
-        return sum(float(sympy.count_ops(f)) for f in moved), str(offset)  # the same one each time
-
-    return min(offsets, key=length)
 
 
 def _potential(u: Expr, v: Expr, x: Symbol, y: Symbol) -> Expr | None:

@@ -103,3 +103,43 @@ def test_a_reset_map_whose_terms_cancel_is_wrong_by_no_more_than_is_said(draws, 
         said = f"{law}, {after}: {run.message} {error}"
         assert run.status is not core.Status.COMPLETED or error < 1e-6 or "after a reset cancel" in run.warning, said
         assert a > 30 or "cancel" not in run.warning, said
+
+
+def slide(rng: np.random.Generator, origin: tuple[float, ...], units: tuple[float, ...] = ()) -> core.PiecewiseSystem:
+    """A system that slides on the surface w = p u² + q v, where u = x − a or x/k − a and so on; it does so at once."""
+    laws = np.round(rng.uniform(-1.0, 1.0, (3, 3)) - 1.2 * np.eye(3), 2)
+    p, q, bend, push = (round(float(rng.uniform(*ends)), 2) for ends in ((0.2, 0.8), (0.2, 0.8), (0.5, 1.5), (3, 5)))
+    values = dict(zip(("a", "b", "c", "k", "l", "m"), (*origin, *units), strict=False))
+    u, v, w = places = ("(x/k - a)", "(y/l - b)", "(z/m - c)") if units else ("(x - a)", "(y - b)", "(z - c)")
+    lin = [" + ".join(f"({k})*{place}" for k, place in zip(row, places, strict=True)) for row in laws]
+    first = f"{lin[0]} + {bend}*sin({v})*{u}" if rng.integers(2) else lin[0]
+    minus, plus = (first, lin[1], f"{lin[2]} + {push}"), (f"{first} + 0.3", f"{lin[1]} + 0.1*{u}", f"{lin[2]} - {push}")
+    curve = f"{w} - {p}*{u}**2 - {q}*{v}" if rng.integers(2) else f"{w} - {q}*{v}"
+    fields = [tuple(f"{s}*({f})" for s, f in zip("klm", law, strict=True)) if units else law for law in (minus, plus)]
+    start = (0.3, 0.2, p * 0.09 + q * 0.2 if "**" in curve else q * 0.2)
+    x0 = tuple((o + c) * s for o, c, s in zip(origin, start, units or (1.0,) * 3, strict=True))
+    return core.PiecewiseSystem("Slide", ("x", "y", "z"), *fields, curve, parameters=values, x0=x0)
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8", "gauss4", "taylor"])
+def test_where_and_in_which_units_a_slide_is_written_makes_no_difference_but_by_the_rounding_of_the_state(
+    draws, method
+):
+    tau = {} if method == "taylor" else {"tau": 0.02}
+    for rng in draws(4):
+        seed, near = int(rng.integers(2**32)), (0.0, 0.0, 0.0)
+        far = tuple(float(round(o)) for o in 10.0 ** rng.uniform(3, 5.5, 3))
+        units = tuple(float(s) for s in 10.0 ** rng.uniform(-3, 3, 3))
+        about = core.integrate(
+            slide(np.random.default_rng(seed), near), (0.0, 4.0), method=method, sliding="continue", **tau
+        )
+        assert about.status is core.Status.COMPLETED, about.message
+        for origin, scale in ((far, ()), (near, units)):
+            system = slide(np.random.default_rng(seed), origin, scale)
+            run = core.integrate(system, (0.0, 4.0), method=method, sliding="continue", **tau)
+            said = f"{system.f_minus}, {system.f_plus}, {system.g}, {system.values}: {run.message}"
+            assert run.status is about.status, said
+            assert run.crossing_count == about.crossing_count, said
+            assert run.steps <= 2 * about.steps, said
+            error = np.abs(run.x[-1] / (scale or 1.0) - origin - about.x[-1]).max()
+            assert error <= (1e-14 if method != "taylor" else 1e-12) * (10 + max(origin)), f"{said}: {error}"

@@ -95,7 +95,7 @@ def test_a_crossing_beyond_which_the_law_would_come_to_a_least_height_far_away_i
 @pytest.mark.parametrize("tau", [0.05, 0.0625, 0.1])
 @pytest.mark.parametrize("method", ["rk2", "rk4", "rk8", "gauss4"])
 def test_a_touch_at_the_end_of_a_step_is_told(method, tau, beyond):
-    """y = −x² touches y = 0 at x = 0, where all methods but for rounding are exact: of what y was, not of what it is."""
+    """y = −x² touches y = 0 at x = 0, where all methods are exact but for rounding: of what y was, not is."""
     system = core.PiecewiseSystem("Touch", ("x", "y"), ("1", "-2*x"), ("1", beyond), "y")
     for n in range(1, 16):
         run = core.integrate(system, (0.0, n * tau + 1.0), (-n * tau, -((n * tau) ** 2)), tau, method)
