@@ -23,6 +23,8 @@ __all__ = ["amplified"]
 
 #: Error, relative to the range of a variable so far, that is told.
 _SPOILT = 0.1
+#: Error, relative to the same, from which on the range is no longer widened: the run's own error may do so.
+_WIDENED = 1e-3
 #: Range of a variable, relative to its size, that may be rounding.
 _RESTS = 2.0**-44
 #: Factor from which on errors are said to grow: else they add up.
@@ -97,6 +99,7 @@ def _grown(run: Trajectory, times: Floats) -> _Growth:
     """The growth of errors over some times."""
     base = _fresh(run)
     low = high = base.x
+    unspoilt = np.full(len(low), np.inf)
     error, factor, largest = _rounding(low), 1.0, 1.0
     for t in times.tolist():
         other = base.copy()
@@ -109,7 +112,8 @@ def _grown(run: Trajectory, times: Floats) -> _Growth:
         other.release()
         factor = max(1.0, factor * by)
         largest = max(largest, factor)
-        if (np.abs(error) >= _SPOILT * size).any():
+        unspoilt = np.where(np.isfinite(unspoilt) & (np.abs(error) >= _WIDENED * size), unspoilt, size)
+        if (np.abs(error) >= _SPOILT * unspoilt).any():
             return _Growth(largest, t)
     return _Growth(largest, None)
 
