@@ -174,6 +174,8 @@ class _Reader:
             case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
                 inner, value = self.visit(operand, depth + 1)
                 return (inner, value) if isinstance(node.op, ast.UAdd) else (-inner, None if value is None else -value)
+            case ast.BinOp(op=ast.Pow() | ast.BitXor(), left=ast.Name(id=name)) if name in FUNCTIONS:
+                raise self.fail(f"{name} is a function and needs an argument: its square is {name}(…)**2")
             case ast.BinOp(op=op, left=left, right=right) if type(op) in OPERATIONS:
                 chain = type(op) is not ast.Pow  # a + b + c + …: a long sum is not a deep one
                 first = self.visit(left, depth if chain else depth + 1)
@@ -193,6 +195,8 @@ class _Reader:
         """The error that a part of the text is not in the whitelist."""
         piece = ast.get_source_segment(self.source, node) or type(node).__name__
         hint = "; powers are written **" if isinstance(getattr(node, "op", None), ast.BitXor) else ""
+        if isinstance(node, ast.Tuple):
+            return self.fail("a comma has no meaning here; write decimals with a point, as 0.5")
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in self.symbols:
             return self.fail(f"{node.func.id} is not a function; write a product as {node.func.id}*(…)")
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
