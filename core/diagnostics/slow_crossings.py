@@ -35,15 +35,17 @@ def slow_crossings(run: Trajectory, crossings: Crossings) -> Iterator[str]:
     """
     arrival = encounters(run, crossings).before
     located = (crossings.x == crossings.surface).all(axis=1)  # not displaced by a perturbation
-    located &= np.diff(crossings.t, prepend=np.nan) != 0.0  # a mode entered beyond a guard: it ends at once
+    at_once = np.diff(crossings.t, prepend=np.nan) == 0.0  # a mode entered beyond a guard
     with np.errstate(all="ignore"):
-        noise = np.maximum(_EPS * _noise(run, arrival), np.where(located, np.abs(crossings.g), 0.0))
+        rounding = _EPS * _noise(run, arrival)
+        noise = np.maximum(rounding, np.where(located & ~at_once, np.abs(crossings.g), 0.0))
         lasts = _ORDER * noise / np.abs(arrival.rate)
         moved = lasts[:, None] * np.abs(_field(run, arrival))
         passed = np.maximum(np.abs(arrival.t - run.t[0]), run.tau)
         size = np.maximum(np.abs(run.x).max(axis=0), np.abs(arrival.x))
         lost = np.nan_to_num(np.column_stack([moved / size, lasts / passed])).max(axis=1)
     lost[~arrival.known] = 0.0  # g = 0 all along a slide, which ends for another reason
+    lost[at_once & (np.abs(crossings.g) > _ORDER * rounding)] = 0.0  # it is not met, but has been passed by a jump
     if lost.max(initial=0.0) > _HALF:
         worst = int(np.argmax(lost))
         time = f"about {lasts[worst]:.1g}" if np.isfinite(lasts[worst]) else "a time that cannot be told"

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from core.symbolic.laws import Laws
 
-__all__ = ["Rate", "WayOut", "surfaces_met", "way_out_of"]
+__all__ = ["BEYOND", "Rate", "WayOut", "surfaces_met", "way_out_of"]
 
 #: Most parts of the weights' square in which a zero of both rates is excluded.
 _MOST_PARTS = 4096
@@ -70,6 +70,11 @@ class _Why(StrEnum):
     MANY = "the laws around do not all lead the same way out"
     UNDECLARED = "a region around is not declared, and the laws that are do not all lead the same way out"
     JUMPS = "at one of them the state jumps"
+    BEYOND = "the state is beyond several surfaces at once, of which the laws do not tell which acts first"
+
+
+BEYOND = WayOut(None, _Why.BEYOND)
+"""From where a jump has led beyond several surfaces, or a run begins there."""
 
 
 class _Exit(NamedTuple):

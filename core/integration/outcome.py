@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sympy import Expr
 
 from core.codegen.rounding import rounding_bound
+from core.integration.corner import BEYOND
 from core.integration.failure import Growth, ends_beyond, growth_of
 from core.integration.growth_loop import GROWTH
 from core.integration.recorded import Point
@@ -207,7 +208,8 @@ def reason(end: Ending) -> str:
     if end.status is Status.ESCAPED and end.cause.growth is None and not end.cause.singular:
         return "the next step cannot be made, as the solution grows beyond bounds within a few steps from here"
     if end.status is Status.CORNER:
-        return f"{end.status.reason}, and {end.cause.why_cornered}"
+        why = end.cause.why_cornered
+        return str(why) if why == BEYOND.reason else f"{end.status.reason}, and {why}"
     if end.status is Status.SLIDING and end.cause.jumped:
         return "the field does not lead away from the surface after the jump, so the state stays there"
     if _moved_astray(end):
@@ -230,6 +232,8 @@ def _advice(end: Ending) -> str:
     status, last, laws = end.status, end.last, end.system.laws
     if _moved_astray(end):
         return f"Perturb crossing times by less than {abs(end.cause.shift):.3g}, or take a smaller tau."
+    if end.cause.why_cornered == BEYOND.reason:
+        return "Begin between them, and let each jump lead beyond one of them at most."
     if status is Status.UNDECLARED and end.cause.shift:
         by = f"{abs(end.cause.shift):.3g}"
         return f"{_plain_advice(end)} If a perturbed crossing, by {by}, has moved it there: perturb by less."

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integration.beginning import Blank
-from core.integration.corner import surfaces_met
+from core.integration.corner import BEYOND, surfaces_met
 from core.integration.failure import Growth
 from core.integration.growth_loop import UNKNOWN, compiled_follow
 from core.integration.memory import FIELDS, FIRST_HITS
@@ -165,7 +165,8 @@ class Runner(Run):
     def _pass_corner(self, direction: float) -> None:
         """Go on from a corner, if the laws around leave one way out."""
         surfaces = self._surfaces_at_corner()
-        way = way_out(self.system, self.t, self.x, surfaces, direction)
+        beyond = self.record["past"] > 0
+        way = BEYOND if beyond else way_out(self.system, self.t, self.x, surfaces, direction)
         mode, self.why_cornered = way.mode, way.reason
         self._corners = self._corners + 1 if self._last_corner == self.t else 0
         self._last_corner = self.t

@@ -13,7 +13,7 @@ import math
 from core.kernels.abi import ROUNDING_OF_G, ROUNDING_OF_STATE, SET_LEVELS, STEP, G, call
 from core.kernels.jit import inlined, internal
 from core.transition.plain_steps import set_guard, take_guard
-from core.transition.records import NO_MODE
+from core.transition.records import NO_JUMP, NO_MODE
 from core.transition.status import Status
 from core.transition.surface import MARGIN, evaluate_rates, evaluate_switching
 
@@ -21,6 +21,7 @@ __all__ = ["begin_mode", "enter_first_mode", "enter_mode", "set_mode"]
 
 _RUNNING, _SLIDING, _REPELLING = int(Status.RUNNING), int(Status.SLIDING), int(Status.REPELLING)
 _GRAZING, _NO_CONVERGENCE, _UNDECLARED = int(Status.GRAZING), int(Status.NO_CONVERGENCE), int(Status.UNDECLARED)
+_CORNER = int(Status.CORNER)
 #: Result of `examine_guard`: the state is beyond a surface after a jump, so that the mode is another one.
 _BEYOND = -1
 #: Another one: the state is at the zero of a guard, where rounding may hide whether the field leads into the mode.
@@ -141,6 +142,9 @@ def examine_guard(context, k, sign):
     elif height < -noise:
         if run.jumped == 1 and guard.back != NO_MODE:
             return _BEYOND
+        if run.past > 0 and not lead_alike(context.guards[run.row + run.past - 1], guard):
+            run.corner = 1 << k | 1 << run.past - 1
+            return _CORNER
         run.past = k + 1
     elif height <= noise:
         if (run.inward >> k) & 1 == 1:
@@ -153,6 +157,13 @@ def examine_guard(context, k, sign):
         run.past = k + 1
     set_guard(w, k, sign, height, run.own, 0.0)
     return _RUNNING
+
+
+@inlined
+def lead_alike(guard, other):
+    """Whether it is no matter which of two guards, beyond both of which a mode is entered, ends it."""
+    crossed = guard.back != NO_MODE and other.back != NO_MODE
+    return guard.jump == NO_JUMP and other.jump == NO_JUMP and (crossed or guard.to == other.to)
 
 
 @internal

@@ -43,6 +43,9 @@ LOST = 0.1
 RELATIVE = "relative:"
 """Before a change of ψ as part of the size of ψ’s terms."""
 
+#: Relative error below which a number has no digit.
+_LEAST = 2.0**-54
+
 NEAR_ONE = 10.0
 """Factor by which the size of ψ’s terms must differ from 1 for a change to be stated relative to it, too."""
 
@@ -226,8 +229,11 @@ def _off_surface(curve: ErrorCurve) -> str:
 
 
 def _relative(error: float, size: float) -> str:
-    """Return an error relative to the size of ψ’s terms, in brackets; empty where that is about 1, or unknown."""
-    if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
+    """Return an error relative to the size of ψ’s terms, in brackets; empty where that is about 1, or unknown.
+
+    Below round-off it says nothing: the error was made where these terms were smaller.
+    """
+    if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE or error < _LEAST * size:
         return ""
     return f" ({RELATIVE} {rounded(error / size)})"
 

@@ -49,10 +49,11 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
 
     The messages name their integrators and come in the order of the lines; the warning of each run follows, if any.
     """
-    stopped: dict[core.Status, list[Summary]] = {}
+    stopped: dict[str, list[Summary]] = {}
     for each in summaries:
         if each.status is not core.Status.COMPLETED:
-            stopped.setdefault(each.status, []).append(each)
+            reason = each.message.partition(": ")[2]  # after the time and the state
+            stopped.setdefault(reason, []).append(each)
     reasons = [_reason(*group) for group in stopped.values()]
     said = [*warnings, *[""] * len(summaries)]
     lines = [run_line(each, bool(words)) for each, words in zip(summaries, said, strict=False)]

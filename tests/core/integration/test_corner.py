@@ -206,3 +206,33 @@ def test_a_corner_at_which_the_state_would_jump_is_not_passed():
     run = core.integrate(system, (0.0, 2.0), tau=0.125, method="rk2")
     assert run.status is core.Status.CORNER
     assert "the state jumps" in run.message
+
+
+def _neurons(
+    surfaces: tuple[str, ...], kick: tuple[str, str], rates: tuple[str, str] = ("0.3", "0.2")
+) -> core.Trajectory:
+    """Where x comes to 1 it kicks the others; one that comes to 1 falls back, and kicks the other back."""
+    jumps = {"x - 1": ("0", *kick), "y - 1": ("x", "0", "z - 1"), "z - 1": ("x", "y - 1", "0")}
+    system = PiecewiseSystem(
+        "neurons", ("x", "y", "z"), surfaces=surfaces, regions={"---": Region(("1", *rates))}, x0=(0.0, 0.6, 0.65),
+        jumps={k: jumps[name] for k, name in enumerate(surfaces)},
+    )  # fmt: skip
+    return core.integrate(system, (0.0, 1.5), method="rk4", tau=0.01)
+
+
+@pytest.mark.parametrize("rates", [("0.3", "0.2"), ("0", "0")])
+@pytest.mark.parametrize("surfaces", [("x - 1", "y - 1", "z - 1"), ("x - 1", "z - 1", "y - 1")])
+def test_a_jump_beyond_several_walls_ends_the_run_whatever_their_order(surfaces, rates):
+    run = _neurons(surfaces, ("y + 0.5", "z + 0.6"), rates)
+    assert run.status is core.Status.CORNER
+    assert "beyond several surfaces at once" in run.message
+    assert run.warning == ""
+    assert run.t[-1] == pytest.approx(1.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("surfaces", [("x - 1", "y - 1", "z - 1"), ("x - 1", "z - 1", "y - 1")])
+def test_a_jump_beyond_one_wall_leads_on_by_the_jump_of_that_wall(surfaces):
+    run = _neurons(surfaces, ("y + 0.5", "z"), ("0", "0"))
+    assert run.message == "t = 1.5: reached the end time."
+    assert [run.system.surfaces[k] for k in run.crossings.surface_met] == ["x - 1", "y - 1"]
+    assert run.x[-1] == pytest.approx([0.5, 0.0, -0.35], abs=1e-14)

@@ -44,6 +44,10 @@ def test_runs_that_stopped_say_why_once():
     touched = summary(method="rk4", status=core.Status.GRAZING, message="touched")
     assert run_lines([touched, stopped]).index("touched") < run_lines([touched, stopped]).index("ran away")
     assert "fine" not in lines
+    other = summary(method="rk2", status=core.Status.ESCAPED, message="t = 1.1: blew up", t_end=1.1)
+    lines = run_lines([stopped, other])
+    assert "Likewise" not in lines, "of one status, but not for one reason"
+    assert "rk2: t = 1.1: blew up" in lines
 
 
 def test_integrators_that_are_left_out_are_named_with_the_reason():
