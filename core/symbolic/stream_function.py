@@ -50,7 +50,8 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol], domain: 
     if not is_zero(u.diff(x) + v.diff(y), domain):
         return None
     origin = Origin.of(field, variables)
-    sought = _potential(*origin.about(field), x, y)
+    u_about, v_about = origin.about(field)
+    sought = _potential(u_about, v_about, x, y)
     if sought is None:
         return None
     psi = _real_throughout(origin.back(sought), domain)

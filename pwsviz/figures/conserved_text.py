@@ -43,7 +43,7 @@ LOST = 0.1
 RELATIVE = "relative:"
 """Before a change of ψ as part of the size of ψ’s terms."""
 
-#: Relative error below which a number has no digit.
+#: Relative error that is no number of its own any more: half of the least to which a number can be known.
 _LEAST = 2.0**-54
 
 NEAR_ONE = 10.0
@@ -229,13 +229,10 @@ def _off_surface(curve: ErrorCurve) -> str:
 
 
 def _relative(error: float, size: float) -> str:
-    """Return an error relative to the size of ψ’s terms, in brackets; empty where that is about 1, or unknown.
-
-    Below round-off it says nothing: the error was made where these terms were smaller.
-    """
-    if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE or error < _LEAST * size:
+    """Return an error relative to the size of ψ’s terms, in brackets; empty where that is about 1, or unknown."""
+    if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
-    return f" ({RELATIVE} {rounded(error / size)})"
+    return f" ({RELATIVE} {rounded(error / size) if error >= _LEAST * size else 'below 10⁻¹⁶'})"
 
 
 def largest(error: Floats) -> str:

@@ -166,7 +166,7 @@ class ExportDialog(pn.viewable.Viewer):
     @staticmethod
     def _copy(label: str, kind: str, words: Any) -> Any:
         """Return a button that copies a text, of one of the kinds of `COPY`, without the server."""
-        button = pmui.Button(label=label, icon="content_copy", variant="text", size="small", margin=0, sx=PLAIN_SX)
+        button = pmui.Button(label=label, icon="content_copy", variant="text", size="small", margin=(4, 4), sx=PLAIN_SX)
         given = {"words": words, "button": button, "label": label}
         button.js_on_click(args=given, code=_COPY.replace("WORDS", COPY[kind]))
         return button
@@ -183,8 +183,7 @@ class ExportDialog(pn.viewable.Viewer):
             buttons.append(self._copy("Copy caption", "words", _caption(self.scene, piece)))
         else:
             buttons.append(pmui.Typography(piece.lack, margin=(8, 8), variant="body2"))
-        title = pmui.Typography(piece.title, margin=(8, 8), width=170)
-        return NamedRow(title, *buttons, group=piece.title, margin=0, sizing_mode="stretch_width")
+        return NamedRow(_title(piece.title), *buttons, group=piece.title, margin=0, sizing_mode="stretch_width")
 
     def _make_choices(self) -> Any:
         """Return the choices about pictures."""
@@ -196,7 +195,7 @@ class ExportDialog(pn.viewable.Viewer):
             for name, (title, options, usual) in CHOICES.items()
         }  # fmt: skip
         width, dpi, typed = self._choices["width"], self._choices["dpi"], self._typed_width
-        wide = pmui.Typography(pixels(width.value, dpi.value), margin=(8, 12, 8, -4), variant="body2")
+        wide = pmui.Typography(pixels(width.value, dpi.value), margin=(28, 12, 8, -4), variant="body2")
 
         def tell(_: Any) -> None:
             typed.visible = width.value == OTHER
@@ -220,9 +219,8 @@ class ExportDialog(pn.viewable.Viewer):
 
     def _equations(self, piece: Piece) -> NamedRow:
         """Return the row of the equations in LaTeX, of the scene of a piece."""
-        title = pmui.Typography("Equations", margin=(8, 8), width=170)
         file = self._download("TEX", "Equations", "tex", partial(latex_file, self.scene), piece)
-        return NamedRow(title, file, group="Equations", margin=0, sizing_mode="stretch_width")
+        return NamedRow(_title("Equations"), file, group="Equations", margin=0, sizing_mode="stretch_width")
 
     def _download(
         self, label: str, what: str, ending: str, write: Callable[[Mapping[str, str]], bytes], piece: Piece
@@ -255,6 +253,11 @@ class ExportDialog(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """The dialog, closed until it is opened."""
         return self.dialog
+
+
+def _title(words: str) -> pmui.Typography:
+    """Return the title of a row, on a line of its own."""
+    return pmui.Typography(words, margin=(8, 4, 0, 4), sizing_mode="stretch_width")
 
 
 def _complaint() -> pmui.Typography:
