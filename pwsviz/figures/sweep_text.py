@@ -21,11 +21,12 @@ from pwsviz.scene.names import met_at_surfaces, readable, short_name
 from pwsviz.scene.sweeping import USUAL_DISCARD
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import FEW, at_surface, listed, listed_or_counted, plural
+from pwsviz.text.words import FEW, at_surface, listed, plural
 
 __all__ = [
     "SUMMARY",
     "coordinate_name",
+    "doubtful_stretches",
     "doubtful_words",
     "ending",
     "examined_words",
@@ -79,12 +80,20 @@ def examined_words(found: Diagram) -> str:
     if not len(found.examined):
         return ""
     which = "those whose rates of change differ most from step to step, and others all over the range"
-    words = f"Of the {plural(int(found.done.sum()), 'run')}, {len(found.examined):,} were examined for errors: {which}."
+    words = f"Of the {plural(int(found.done.sum()), 'run')}, {len(found.examined):,} were examined for errors: {which}"
     if not len(found.warned):
-        return f"{words} No sign of an error was found in them."
-    values = [f"{value:.6g}" for value in found.warned]
-    at = f"at {parameter_name(found.inputs)} = " * (len(values) <= FEW)
-    return f"{words} Dotted lines mark those in doubt, {at}{listed_or_counted(values, '{} of them')}."
+        return f"{words}. No sign of an error was found in them."
+    name, parts = parameter_name(found.inputs), doubtful_stretches(found)
+    at = f"at {name} = {listed(parts)}" if len(parts) <= FEW else f"in {len(parts)} stretches of {name}"
+    return f"{words}, more of them beside those in doubt. Dotted lines mark these: all that were examined {at}."
+
+
+def doubtful_stretches(found: Diagram) -> list[str]:
+    """Return the values between which all runs examined are in doubt, “1.41 to 1.55”, or a single one."""
+    doubtful = np.isin(found.examined, found.warned)
+    parts = np.split(found.examined, np.flatnonzero(np.diff(doubtful)) + 1)
+    ends = [dict.fromkeys((part[0], part[-1])) for part in parts if part[0] in found.warned]
+    return [" to ".join(f"{value:.6g}" for value in both) for both in ends]
 
 
 def ending(code: int) -> Outcome:

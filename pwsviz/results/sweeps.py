@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -48,8 +49,11 @@ LOOKED_INTO = 4
 MOST_EXAMINED = 12
 """… and most runs that are, with others all over the range: to examine one takes as long as many a run …"""
 
+MOST_BESIDE = 16
+"""… and most runs between one in doubt and a clear one that are then examined, to tell how far the doubt reaches …"""
+
 MOST_STEPS_EXAMINED = 400_000
-"""… and most steps of those others, of each of which the first `STEPS_OF_EACH` are examined."""
+"""… and most steps of either of those, of each of which the first `STEPS_OF_EACH` are examined."""
 
 STEPS_OF_EACH = 50_000
 """As many are made again to be examined: see `core.Ensemble.warning`."""
@@ -224,6 +228,11 @@ class _Run(NamedTuple):
     member: int
 
     @property
+    def steps(self) -> int:
+        """Number of its steps that are made again if it is examined."""
+        return min(int(self.ensemble.steps[self.member]), STEPS_OF_EACH)
+
+    @property
     def change(self) -> float:
         """Largest change of a rate from step to step, relative to the largest rate."""
         return float(np.nan_to_num(self.ensemble.unlike[self.member]))
@@ -262,14 +271,21 @@ class _Runs:
     def examined(self, found: Diagram) -> Diagram:
         """Return a diagram with what is said against the steps of some of its runs, the first of those with points."""
         shown = set(found.values[found.counts > 0].tolist())
+        told: dict[float, str] = {}
         runs = sorted(self._to_examine(), key=lambda run: run.value not in shown)
-        told = list(self._pool.map(lambda run: "" if self._cancel() else run.ensemble.warning(run.member), runs))
-        if self._cancel():
-            raise Cancelled
-        warned = [run.value for run, words in zip(runs, told, strict=True) if words]
-        found = replace(found, examined=np.unique([run.value for run in runs]), warned=np.unique(warned))
+        longest = max((run.steps for run in self._done), default=0)
+        most = len(runs) + min(MOST_BESIDE, MOST_STEPS_EXAMINED // max(longest, 1))
+        while runs:
+            said = self._pool.map(lambda run: "" if self._cancel() else run.ensemble.warning(run.member), runs)
+            told |= dict(zip((run.value for run in runs), said, strict=True))
+            if self._cancel():
+                raise Cancelled
+            runs = self._beside_doubt(told)[: most - len(told)]
+        warned = [value for value, words in told.items() if words]
+        found = replace(found, examined=np.unique([*told]), warned=np.unique(warned))
         kinds: dict[str, dict[float, str]] = {}  # by the words without their numbers
-        for value, words in zip(warned, filter(None, told), strict=True):
+        for value in warned:
+            words = told[value]
             kinds.setdefault(_NUMBER.sub("", words), {})[value] = on_page(words, self._system.variables)
         return replace(found, warnings=tuple(map(self._said, kinds.values())))
 
@@ -285,11 +301,18 @@ class _Runs:
         runs = {run.value: run for run in sorted(self._done, key=lambda run: -run.change)[:LOOKED_INTO]}
         others, left = sorted(self._done, key=lambda run: run.value), MOST_STEPS_EXAMINED
         for k in coarse_to_fine(len(others)).tolist():
-            left -= min(int(others[k].ensemble.steps[others[k].member]), STEPS_OF_EACH)
+            left -= others[k].steps
             if left < 0 or len(runs) == MOST_EXAMINED:
                 break
             runs[others[k].value] = others[k]
         return list(runs.values())
+
+    def _beside_doubt(self, told: dict[float, str]) -> list[_Run]:
+        """The runs halfway between neighbours of those examined, of which something is said against one only."""
+        runs = sorted(self._done, key=lambda run: run.value)
+        known = [k for k, run in enumerate(runs) if run.value in told]
+        differ = ((a, b) for a, b in pairwise(known) if bool(told[runs[a].value]) != bool(told[runs[b].value]))
+        return [runs[(a + b) // 2] for a, b in differ if b > a + 1]
 
     def _keep(self, part: core.Sweep) -> None:
         """Keep the runs of further values."""

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import core
 from core import Status
-from pwsviz.figures.sweep_text import period_of, sweep_details, sweep_numbers, sweep_text
+from pwsviz.figures.sweep_text import examined_words, period_of, sweep_details, sweep_numbers, sweep_text
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.results import Results
 from pwsviz.results.sweeps import (
@@ -258,6 +258,9 @@ def test_a_stretch_in_which_orbits_touch_the_surface_is_marked_and_no_period_is_
     assert touch.sum() > 3
     assert np.isin(found.examined[touch], found.warned).all()
     assert not (found.warned > 1.56).any(), "these orbits stay inside the circle"
+    first, last = np.searchsorted(found.values, [found.warned.min(), found.warned.max()])
+    assert np.isin(found.values[[first - 1, last + 1]], found.examined).all(), "so that where the stretch ends is known"
+    assert f"at r = {found.warned.min():.6g} to {found.warned.max():.6g}." in examined_words(found)
     words = sweep_text(found, 1.5)
     assert "no period is stated: the nearest runs examined, at r" in words.replace("examined, at ", "examined, at r")
     assert "have period" not in words
