@@ -56,7 +56,8 @@ def test_where_a_law_is_written_about_makes_no_difference_but_by_the_rounding_of
         assert run.status is core.Status.COMPLETED, said
         assert run.crossing_count == crossings, said
         error = np.abs(run.x[-1] - (offset, 0.0) - end).max()
-        assert error <= (1e-7 if method == "dmm4" else 1e-10) + 1e-14 * offset, f"{said}: {error}"
+        rounding = 1e-14 if method == "rk8" else 1e-13  # of the state, in a thousand steps to the level of ψ
+        assert error <= (1e-7 if method == "dmm4" else 1e-10) + rounding * offset, f"{said}: {error}"
 
 
 @pytest.mark.parametrize("method", ["taylor", "rk4", "rk8"])
