@@ -32,6 +32,8 @@ _MOST = 64
 _MOST_STEPS = 1e6
 #: Tolerance of a variable-step method in that, as part of its own.
 _TIGHTER = 2.0**-7
+#: Most steps that a shorter run takes, as a multiple of those of the run, and beside these.
+_MORE_STEPS, _FEW_STEPS = 4, 64
 _EPS = 2.0**-52
 #: Bound on the error of a run, in units of its estimate from half the step.
 _SAFETY = 2.0
@@ -160,7 +162,8 @@ def _made_again(run: Trajectory, begin: int, t: float, step: float) -> Crossings
     method = METHODS[run.method]
     tighter = max(_EPS, run.tolerance * _TIGHTER) if method.adaptive else math.nan
     start = run.system, method, float(run.entered_t[begin]), tuple(run.entered_x[begin].tolist())
-    runner = Runner(*start, Settings(step, tighter, slides=run.slides))
+    steps = _MORE_STEPS * run.steps + _FEW_STEPS  # beyond the end of the run there may be a pole
+    runner = Runner(*start, Settings(step, tighter, max_steps=steps, slides=run.slides))
     runner.advance(t + math.copysign(2.0 * step, run.t[-1] - run.t[0]))
     return runner.crossings()
 

@@ -127,7 +127,8 @@ def _slight_passes(run: Trajectory, far: bool) -> Iterator[tuple[_Least, float]]
 def _again(run: Trajectory, longest: float) -> Runner:
     """The same run with steps half as long at most, before it has begun."""
     method = METHODS[run.method]
-    settings = Settings(0.5 * longest, max(_FINER * run.tolerance, _EPS), slides=run.slides)
+    most = 4 * (run.steps + int(_MOST_SHIFTED))  # beyond the end of the run there may be a pole
+    settings = Settings(0.5 * longest, max(_FINER * run.tolerance, _EPS), max_steps=most, slides=run.slides)
     return Runner(run.system, method, float(run.t[0]), tuple(run.x[0].tolist()), settings, 0)
 
 

@@ -187,3 +187,12 @@ def test_a_reset_off_its_surface_gives_no_bound_there():
     reset = PiecewiseSystem("Reset", ("x", "y"), ("x + 1.001", "0"), ("x + 1.001", "0"), "1 - x", jump=("-1", "y"),
                             x0=(0.0, 0.0))  # fmt: skip
     assert core.integrate(reset, (0.0, 30.0), tau=0.05, method="rk4").warning == ""
+
+
+def test_a_field_that_takes_ever_shorter_steps_beyond_the_end_does_not_hold_up_the_warning():
+    """y comes to a pole at t = 0.816, before which sin y takes steps without number."""
+    regions = {key: core.Region(("y**2 + sin(y)", "-z")) for key in ("++", "+-", "-+", "--")}
+    system = core.PiecewiseSystem("Pole", ("y", "z"), surfaces=("z - 0.5", "y + 5"), regions=regions, x0=(1.0, 1.0))
+    run = core.integrate(system, (0.0, 0.75), method="taylor")
+    assert run.message == "t = 0.75: reached the end time."
+    assert run.crossings.t == pytest.approx([np.log(2.0)], abs=1e-12)
