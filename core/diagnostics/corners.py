@@ -29,7 +29,7 @@ __all__ = ["slid_into_corners", "undecided_corners"]
 #: Most crossings that are examined: those that are nearest to other surfaces.
 _MOST = 64
 #: Most steps that are made again, half as long.
-_MOST_STEPS = 1e6
+_MOST_STEPS = 1_000_000
 #: Tolerance of a variable-step method in that, as part of its own.
 _TIGHTER = 2.0**-7
 #: Most steps that a shorter run takes, as a multiple of those of the run, and beside these.
@@ -162,7 +162,7 @@ def _made_again(run: Trajectory, begin: int, t: float, step: float) -> Crossings
     method = METHODS[run.method]
     tighter = max(_EPS, run.tolerance * _TIGHTER) if method.adaptive else math.nan
     start = run.system, method, float(run.entered_t[begin]), tuple(run.entered_x[begin].tolist())
-    steps = _MORE_STEPS * run.steps + _FEW_STEPS  # beyond the end of the run there may be a pole
+    steps = min(_MORE_STEPS * run.steps, _MOST_STEPS) + _FEW_STEPS  # beyond the end of the run there may be a pole
     runner = Runner(*start, Settings(step, tighter, max_steps=steps, slides=run.slides))
     runner.advance(t + math.copysign(2.0 * step, run.t[-1] - run.t[0]))
     return runner.crossings()
