@@ -15,7 +15,7 @@ __all__ = ["Origin"]
 
 
 class Origin(NamedTuple):
-    """What is subtracted from the variables, in units that are parameters or products of them: w = unit·v − shift."""
+    """What is subtracted from the variables, in units that are parameters or products of them: w = v/s − shift."""
 
     units: dict[Symbol, Expr]
     shifts: dict[Symbol, Expr]
@@ -45,8 +45,9 @@ def _unit_and_shift(expressions: Sequence[Expr], v: Symbol, variables: Sequence[
     for node in (node for u in expressions for node in u.atoms(sympy.Add)):
         rest, slope = node.as_independent(v, as_Add=True)
         factor, alone = slope.as_independent(*variables, as_Add=False)
-        if alone == v:  # of 2 (x − a) + 3 (y − b) sympy makes 2 x + 3 y − 2 a − 3 b
-            number, unit = factor.as_coeff_Mul()
+        number, unit = factor.as_coeff_Mul()
+        if alone == v and sympy.fraction(unit)[0] == 1:  # of k x − a, x would be divided by k, which may be zero
+            # Of 2 (x − a) + 3 (y − b) sympy makes 2 x + 3 y − 2 a − 3 b.
             constant, others = rest.as_independent(*variables, as_Add=True)
             choices |= {(unit, -u / number) for u in (sympy.Add.make_args(constant) if others != 0 else (constant,))}
 

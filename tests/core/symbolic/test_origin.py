@@ -17,6 +17,7 @@ x, y, a, b, s = sympy.symbols("x y a b s", real=True)
         (((x - 1000) ** 2 + (x - 1000),), (x**2 + x,)),
         ((x**2 + y, x * y), (x**2 + y, x * y)),
         (((x - a) * (x - b), x - a), (x * (x + a - b), x)),
+        (((s * x - a) ** 3, s * x - a, x * y), ((s * x - a) ** 3, s * x - a, x * y)),  # not divided by s: it may be 0
     ],
 )
 def test_expressions_about_their_origin_are_the_simplest(expressions, about):
