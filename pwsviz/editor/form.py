@@ -32,6 +32,7 @@ KEPT = f"These fields keep what you typed before; “Start from: {CURRENT}” re
 """Menu entry that fills in the present system."""
 
 BLANK = "Nothing: empty fields"
+COPIED = "A copy of “{}”, to be changed; “Start from” offers others, and empty fields."
 """Menu entry that empties all fields."""
 
 MATHS_CSS = """
@@ -178,8 +179,10 @@ class SystemEditor(pn.viewable.Viewer):
         """Fill in the system on the page; say so where it cannot be written in these fields."""
         if self._current is None:
             return
+        system = self._current()
         try:
-            self.load(self._current())
+            self.load(system)
+            self.kept.object = as_text(COPIED.format(system.name))
         except ValueError as reason:
             self.status.object = complaint(reason)
 

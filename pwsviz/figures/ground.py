@@ -49,6 +49,9 @@ READOUT_STYLES: dict[str, str | None] = {
 }
 """CSS of the line that tells what is under the pointer."""
 
+GESTURES = "Click: new trajectory · drag a star: move it"
+"""What that line says while the pointer is elsewhere."""
+
 
 OWN_LEVEL, ATTRACTS, REPELS = "ψ = ψ(trajectory)", "S attracts", "S repels"
 
@@ -117,7 +120,7 @@ class Ground:
             tags=["drawing"],
         )  # fmt: skip
         plot.add_layout(self.waiting)
-        self.readout = Div(text="", render_as_text=True, styles=READOUT_STYLES, margin=0)
+        self.readout = Div(text=GESTURES, render_as_text=True, styles=READOUT_STYLES, margin=0)
 
     def meaning(self, trajectory: str) -> str:
         """Return what those lines mean that are in the legend now, for captions.
@@ -163,7 +166,8 @@ class Ground:
         for source in (self.formulas, self.clock):
             source.js_on_change("data", repaint, label)
         self._marked.js_on_change("data", label)  # not the marks themselves: from these a legend would reach all this
-        forget = CustomJS(args={"readout": self.readout}, code="readout.setv({ text: '' }, { sync: false })")
+        rest = f"readout.setv({{ text: '{GESTURES}' }}, {{ sync: false }})"
+        forget = CustomJS(args={"readout": self.readout}, code=rest)
         self.formulas.js_on_change("data", forget)
         self.figure.js_on_event(RangesUpdate, repaint)
         wait = CustomJS(args=plane | {"waiting": self.waiting}, code=AWAIT)
@@ -171,7 +175,7 @@ class Ground:
         for axis in ranges(self.figure):
             axis.js_on_change("start", label, wait)
             axis.js_on_change("end", label, wait)
-        tell = CustomJS(args=plane | {"readout": self.readout}, code=TELL_PLACE)
+        tell = CustomJS(args=plane | {"readout": self.readout}, code=TELL_PLACE.replace("GESTURES", GESTURES))
         self.figure.js_on_event(MouseMove, tell)
         self.figure.js_on_event(Pan, tell)  # as a start is dragged
         self.figure.js_on_event(MouseLeave, tell)

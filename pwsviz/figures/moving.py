@@ -135,10 +135,10 @@ if (inside && cb_obj.event_name != "mouseleave") {
     words.push(given.bare)
   }
 }
-readout.setv({ text: words.join(" \\u00b7 ") }, { sync: false })
+readout.setv({ text: words.join(" \\u00b7 ") || "GESTURES" }, { sync: false })
 """
 )
-"""JavaScript run when the pointer moves over the portrait: place, side, and ψ of that side there."""
+"""JavaScript run when the pointer moves over the portrait: place, side, ψ of that side; else GESTURES."""
 
 AWAIT = """
 const [left, right, low, high] = JSON.parse(formulas.data.text[0] || "null")?.window ?? []

@@ -19,7 +19,7 @@ from pwsviz.figures.colours import GREY
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.stability_outcomes import OUTCOMES, lasts, outcomes_shown
 from pwsviz.figures.stability_text import has_limit
-from pwsviz.figures.style import assign, fit_to_corners, plain_figure, tips
+from pwsviz.figures.style import WITH_TABLE, assign, fit_to_corners, plain_figure, tips
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.math_names import variable_name
@@ -70,6 +70,7 @@ class MapFigure:
             x_axis_type="log",
             x_axis_label="step size τ",
             y_axis_label="start",
+            styles=WITH_TABLE,
             x_range=DataRange1d(range_padding=0.0),
             y_range=DataRange1d(range_padding=0.0),
         )

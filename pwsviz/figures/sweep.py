@@ -15,7 +15,15 @@ from pwsviz.figures.colours import AMBER, GREY, RULE, VERMILION
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.point_cloud import PointCloud
 from pwsviz.figures.style import WITH_TABLE, assign, plain_figure, tips
-from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, doubtful_words, ending, parameter_name, stretches
+from pwsviz.figures.sweep_text import (
+    SUMMARY,
+    coordinate_name,
+    doubtful_stretches,
+    doubtful_words,
+    ending,
+    parameter_name,
+    stretches,
+)
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.window import Window
 from pwsviz.results.sweeps import Diagram
@@ -66,6 +74,9 @@ class SweepView:
             CrosshairTool(dimensions="height", line_color=RULE, line_alpha=1.0, visible=False),
         )
         self.warned = ColumnDataSource({"x": [np.nan]})
+        self.doubtful = ColumnDataSource({"start": [np.nan], "end": [np.nan]})
+        between = VStrip(x0="start", x1="end", fill_color=VERMILION, fill_alpha=0.1, line_width=0)
+        plot.add_glyph(self.doubtful, between, level="underlay")
         doubt = plot.add_glyph(self.warned, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[2, 4]))
         self._present, self._early, self._doubt = legend_below(
             plot, [("chosen value", line), ({"field": "words"}, strips), ("in doubt", doubt)]
@@ -83,6 +94,8 @@ class SweepView:
         assign(self.early, **_strips(found))
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
         assign(self.warned, x=found.warned if len(found.warned) else [np.nan])
+        wide = [ends for ends in doubtful_stretches(found) if ends[0] < ends[1]] or [(np.nan, np.nan)]
+        assign(self.doubtful, start=[low for low, _ in wide], end=[high for _, high in wide])
         self._doubt.visible = bool(found.warnings)
         self._doubt.label = value(f"in doubt: {doubtful_words(found)}")
 

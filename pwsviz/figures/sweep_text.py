@@ -37,6 +37,7 @@ __all__ = [
     "sweep_details",
     "sweep_how",
     "sweep_numbers",
+    "sweep_prospects",
     "sweep_text",
 ]  # fmt: skip
 
@@ -83,17 +84,18 @@ def examined_words(found: Diagram) -> str:
     words = f"Of the {plural(int(found.done.sum()), 'run')}, {len(found.examined):,} were examined for errors: {which}"
     if not len(found.warned):
         return f"{words}. No sign of an error was found in them."
-    name, parts = parameter_name(found.inputs), doubtful_stretches(found)
+    name = parameter_name(found.inputs)
+    parts = [" to ".join(f"{end:.6g}" for end in dict.fromkeys(ends)) for ends in doubtful_stretches(found)]
     at = f"at {name} = {listed(parts)}" if len(parts) <= FEW else f"in {len(parts)} stretches of {name}"
-    return f"{words}, more of them beside those in doubt. Dotted lines mark these: all that were examined {at}."
+    marked = f"Dotted lines mark these, shaded in between: all that were examined {at}"
+    return f"{words}, more of them beside those in doubt. {marked}."
 
 
-def doubtful_stretches(found: Diagram) -> list[str]:
-    """Return the values between which all runs examined are in doubt, “1.41 to 1.55”, or a single one."""
+def doubtful_stretches(found: Diagram) -> list[tuple[float, float]]:
+    """Return the first and the last value of each stretch in which all runs examined are in doubt."""
     doubtful = np.isin(found.examined, found.warned)
     parts = np.split(found.examined, np.flatnonzero(np.diff(doubtful)) + 1)
-    ends = [dict.fromkeys((part[0], part[-1])) for part in parts if part[0] in found.warned]
-    return [" to ".join(f"{value:.6g}" for value in both) for both in ends]
+    return [(float(part[0]), float(part[-1])) for part in parts if len(part) and part[0] in found.warned]
 
 
 def ending(code: int) -> Outcome:
@@ -143,11 +145,15 @@ def sweep_text(found: Diagram, present: float) -> str:
     return " ".join(filter(None, (_at_present(found, present), _nothing_left(found), _refusal(found))))
 
 
-def sweep_details(found: Diagram, shown: str = "") -> str:
-    """Return in words what is plotted, how many values have all their points, and what may be expected of them.
+def sweep_prospects(found: Diagram, shown: str) -> str:
+    """Return what may be expected of the points, or which examples show more; `shown` is the title of this one."""
+    done, whole = int(found.done.sum()), int(found.whole.sum())
+    hope = prospects(found.inputs.problem.declaration, "sweep", shown) if found.counts.any() or not done else ""
+    return hope or examples_of("sweep", shown) * (2 * whole < done)
 
-    `shown` is the title of the example that is shown, if any.
-    """
+
+def sweep_details(found: Diagram) -> str:
+    """Return in words what is plotted, how many values have all their points, and which runs were examined."""
     inputs = found.inputs
     done, whole = int(found.done.sum()), int(found.whole.sum())
     words = (
@@ -162,9 +168,7 @@ def sweep_details(found: Diagram, shown: str = "") -> str:
     if found.sparse:
         few = f"have at most {USUAL_DISCARD} points, or points that have faded to 0 by then"
         words += f" No transient is discarded: most runs that meet the surface {few}."
-    words = f"{words} {examined_words(found)}".strip()
-    hope = prospects(inputs.problem.declaration, "sweep", shown) if found.counts.any() or not done else ""
-    return f"{words} {hope or examples_of('sweep', shown) * (2 * whole < done)}".strip()
+    return f"{words} {examined_words(found)}".strip()
 
 
 def _at_present(found: Diagram, present: float) -> str:

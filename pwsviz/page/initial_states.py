@@ -81,8 +81,8 @@ class Trajectories(pn.viewable.Viewer):
             self.message.object = as_text(str(reason), "error")
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Buttons beside their heading, in a row that wraps."""
+        """Buttons beside their heading; the numbers come last, so that many of them wrap without the others."""
         return pn.Column(
-            heading_with("Starts", self.numbers, self.more, self.less), self.message,
+            heading_with("Starts", self.more, self.less, self.numbers), self.message,
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip

@@ -126,7 +126,9 @@ class PortraitPanel(pn.viewable.Viewer):
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
         self.sight = Sight(scene, self.portrait, self._cover)
         self.player = Player(self.portrait)
-        self.readout = pn.pane.Bokeh(self.portrait.ground.readout, margin=(14, 4), sizing_mode="stretch_width")
+        self.readout = pn.pane.Bokeh(
+            self.portrait.ground.readout, margin=(0, 4), align="center", sizing_mode="stretch_width"
+        )
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
         self.note.css_classes = self.status.css_classes = ASIDE

@@ -33,7 +33,8 @@ TAU_SLIDER = (1e-4, 0.3)
 COORDINATES_CSS = """
 :host { flex-wrap: wrap; gap: 0 8px; }
 :host > * { flex: 1 1 80px !important; min-width: 80px; }
-:host > :first-child:nth-last-child(4), :host > :first-child:nth-last-child(4) ~ * { flex-basis: 100px !important; }
+:host > div:first-of-type:nth-last-child(4), :host > div:first-of-type:nth-last-child(4) ~ div
+    { flex-basis: 100px !important; }
 """
 """Side by side where at least 80 px remain for each, so that the names can be read."""
 

@@ -20,11 +20,15 @@ from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers, table_markup
 from pwsviz.text.words import as_text, complaint
+from pwsviz.widgets.fold import Fold
 from pwsviz.widgets.panes import FADED, PLAIN, empty, fade, is_seen, leave_out, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
 
 _WAITING = "Computing …"
 """Words of a view that shows nothing yet: the browser has them before the view is first opened."""
+
+_ABOUT = "About this figure"
+"""Line that unfolds how a result was made."""
 
 Outcome = Any
 """What a tab computes; its type differs from tab to tab."""
@@ -69,6 +73,7 @@ class Tab(pn.viewable.Viewer):
         self.plots: list[pn.pane.Bokeh] = []
         self._hidden: list[pn.pane.Bokeh] = []  # figures that show nothing, as the computation has failed
         self._summaries: list[str] = []
+        self.about: Fold | None = None  # made when there is something to unfold
         self._content = pn.Column(self.words, margin=0, sizing_mode="stretch_width")
 
     # For each tab to define ------------------------------------------------------------------------------------------
@@ -89,8 +94,12 @@ class Tab(pn.viewable.Viewer):
         """Draw a whole or a partial result, and return it in words."""
         raise NotImplementedError
 
+    def remark(self, outcome: Outcome) -> str:
+        """Return what is unusual, or what to know of the axes, for a paler paragraph; none by default."""
+        return ""
+
     def details(self, outcome: Outcome) -> str:
-        """Return in words how a result was made and what its terms mean, for a paler paragraph; none by default."""
+        """Return in words how a result was made and what its terms mean, to be unfolded; none by default."""
         return ""
 
     def warnings(self, outcome: Outcome) -> Sequence[str]:
@@ -222,11 +231,11 @@ class Tab(pn.viewable.Viewer):
         self._drawn = self._system
         self._hide([])
         self.said = words = self.draw(outcome)
-        details = self.details(outcome)
+        remark, details = self.remark(outcome), self.details(outcome)
         tables, warnings = "".join(map(table_markup, self.numbers(outcome))), self.warnings(outcome)
         warned = "".join(as_text(one, "stopped") for one in warnings)
-        self._say(tables + as_text(words) + warned + as_text(details, "about"))
-        self._describe(" ".join(filter(None, (words, *warnings, details))))
+        self._say(tables + as_text(words) + warned + as_text(remark, "about"), as_text(details))
+        self._describe(" ".join(filter(None, (words, *warnings, remark, details))))
 
     def _describe(self, words: str) -> None:
         """Give screen readers the summary of each figure, and the words below it."""
@@ -244,8 +253,14 @@ class Tab(pn.viewable.Viewer):
     def _waits(self) -> bool:
         return bool(self.words.object == as_text(_WAITING))
 
-    def _say(self, markup: str) -> None:
+    def _say(self, markup: str, details: str = "") -> None:
+        """Show words below the plot, and what is to be unfolded there."""
         self.words.param.update(object=markup, styles=PLAIN)
+        if details and self.about is None:
+            self.about = Fold(title=_ABOUT, markup=details, margin=0, sizing_mode="stretch_width")
+            self._content.append(self.about)
+        elif self.about is not None:
+            self.about.param.update(markup=details, styles=PLAIN)
 
     def _fade(self, past: bool) -> None:
         for pane in self.plots:
@@ -276,7 +291,8 @@ class LongTab(Tab):
         """Show the progress bar, and fade figures and words: what they show is not what was asked for."""
         self.progress.begin(former=any(map(is_seen, self.plots)))
         if not self._waits():
-            self.words.styles = FADED
+            for pane in filter(None, (self.words, self.about)):
+                pane.styles = FADED
         self._fade(past=True)
 
     def advance(self, done: int, total: int, partial: Outcome) -> None:

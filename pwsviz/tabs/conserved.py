@@ -86,7 +86,7 @@ class ConservedTab(Tab):
         note = "Crossings are not located: a step may lead across the surface." * (there and not self.scene.locate)
         return " ".join(filter(None, [said, note, conserved_note(system)]))
 
-    def details(self, outcome: ErrorPicture) -> str:
+    def remark(self, outcome: ErrorPicture) -> str:
         """Return what the axis shows."""
         there = outcome.system.laws.most_conserved > 0 and not outcome.unmoved
         crosses = any(len(curve.crossings) for curve in outcome.curves)

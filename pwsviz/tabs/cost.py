@@ -81,10 +81,13 @@ class CostTab(LongTab):
         self.view.show(outcome, across, up)
         return cost_text(outcome, across, up)
 
+    def remark(self, outcome: core.WorkPrecision) -> str:
+        """Return what counts as a crossing, and what runs do at crossings, if that is unusual."""
+        return f"{counted(self.scene)} {self._about_crossings(outcome)}".strip()
+
     def details(self, outcome: core.WorkPrecision) -> str:
-        """Return what is measured and how, and what runs do at crossings if that is unusual."""
-        measured = cost_details(outcome, self.scene.cost_across, self.scene.cost_up)
-        return " ".join(filter(None, (measured, counted(self.scene), self._about_crossings(outcome))))
+        """Return what is measured and how."""
+        return cost_details(outcome, self.scene.cost_across, self.scene.cost_up)
 
     def _about_crossings(self, outcome: core.WorkPrecision) -> str:
         """Say what integrators and external solvers do at crossings, if that is unusual."""

@@ -94,9 +94,8 @@ class OrderTab(LongTab):
         leave_out(self.plots[0], exact)  # zeros have no place on its axis
         return " ".join(filter(None, [slopes_text(shown), *self._left_out(outcome)]))
 
-    def details(self, outcome: Studies) -> str:
-        """Return with what is compared and when, what is fitted, and whether crossing times are perturbed."""
-        words = study_text(studied(outcome, self._rows), any(one.crossings != STUDY_CROSSINGS for one in outcome))
+    def remark(self, outcome: Studies) -> str:
+        """Return whether crossing times are perturbed, and until when runs go."""
         scene, moved = self.scene, ""
         if scene.locate and scene.perturbation_order is not None:
             moved = (
@@ -104,7 +103,11 @@ class OrderTab(LongTab):
             )
         times = self._times(outcome)
         times += " The end time has no effect here." * bool(times)
-        return " ".join(filter(None, [words, moved, times]))
+        return f"{moved} {times}".strip()
+
+    def details(self, outcome: Studies) -> str:
+        """Return with what is compared, and what is fitted."""
+        return study_text(studied(outcome, self._rows), any(one.crossings != STUDY_CROSSINGS for one in outcome))
 
     def _times(self, outcome: Studies) -> str:
         return study_times(outcome[0], self._rows is state_rows, self.slid, met_at_surfaces(self.scene.declaration))

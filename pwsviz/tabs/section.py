@@ -195,7 +195,7 @@ class SectionTab(LongTab):
         """Return what is said against the step size."""
         return section_warnings(outcome)
 
-    def details(self, outcome: SectionPoints) -> str:
+    def remark(self, outcome: SectionPoints) -> str:
         """Return what may be expected of the points, and what the runs do at crossings if that is unusual."""
         hope = prospects(outcome.inputs.problem.declaration, "section", shown_example(self.scene))
         return f"{hope} {about_crossings(self.scene, locates=True)}".strip()

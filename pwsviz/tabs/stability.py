@@ -108,16 +108,16 @@ class StabilityTab(LongTab):
         coloured: Shown = scene.stability_shown if self._knows_psi else "outcome"
         self.view.show(outcome, scene.stability_part, scene.selected_method, coloured)
         self.view.mark(scene.tau, scene.x0[outcome.coordinate])
-        return map_text(outcome) if scene.stability_part == "map" else self._made(outcome)
+        return map_text(outcome) if scene.stability_part == "map" else stability_text(outcome, scene.stability_part)
+
+    def remark(self, outcome: core.StabilityStudy) -> str:
+        """Return what counts as a crossing, and what runs do at crossings, if that is unusual."""
+        also = counted(self.scene) * (self.scene.stability_part != "drift")
+        return f"{also} {about_crossings(self.scene)}".strip()
 
     def details(self, outcome: core.StabilityStudy) -> str:
         """Return in words what the map is made of."""
-        return self._made(outcome) if self.scene.stability_part == "map" else ""
-
-    def _made(self, outcome: core.StabilityStudy) -> str:
-        part = self.scene.stability_part
-        also = counted(self.scene) * (part != "drift")
-        return " ".join(filter(None, (stability_text(outcome, part), also, about_crossings(self.scene))))
+        return stability_text(outcome, "map") if self.scene.stability_part == "map" else ""
 
     def numbers(self, outcome: core.StabilityStudy) -> Sequence[Numbers]:
         """Return the figures of the part shown."""

@@ -21,6 +21,7 @@ from pwsviz.figures.sweep_text import (
     sweep_details,
     sweep_how,
     sweep_numbers,
+    sweep_prospects,
     sweep_text,
 )
 from pwsviz.geometry.window import Window
@@ -83,11 +84,14 @@ class SweepTab(LongTab):
         self._place.visible = bool(outcome.counts.any())
         return sweep_text(outcome, present)
 
+    def remark(self, outcome: Diagram) -> str:
+        """Return what may be expected of the points, and what the runs do at crossings if that is unusual."""
+        hope = sweep_prospects(outcome, shown_example(self.scene))
+        return f"{hope} {about_crossings(self.scene, locates=True)}".strip()
+
     def details(self, outcome: Diagram) -> str:
-        """Return what is plotted, and what the runs do at crossings if that is unusual."""
-        return (
-            f"{sweep_details(outcome, shown_example(self.scene))} {about_crossings(self.scene, locates=True)}".strip()
-        )
+        """Return what is plotted, and which runs were examined."""
+        return sweep_details(outcome)
 
     def warnings(self, outcome: Diagram) -> Sequence[str]:
         """Return what is said against the step size."""

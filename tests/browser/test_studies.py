@@ -9,6 +9,7 @@ from tests.browser.test_portrait import FIGURE, await_that
 
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
+ABOUT = "About this figure"
 WRONG = re.compile("crossings? .*instead of")
 POINTS = f"""() => {{
     const figure = ({FIGURE})("Error against run time")
@@ -32,6 +33,7 @@ CELLS = f"""() => {{
 def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_cheapest(visit):
     page = visit(query="v=1&view=cost&methods=dmm2,rk2")
     page.get_by_role("row", name=re.compile("^10⁻³")).wait_for()
+    page.get_by_text(ABOUT).locator("visible=true").click()
     page.get_by_text(re.compile("reference: ", re.IGNORECASE)).locator("visible=true").first.wait_for()
     points = await_that(page, POINTS, lambda seen: any(WRONG.search(one["status"]) for one in seen))
     wrong = [one for one in points if WRONG.search(one["status"])]
@@ -39,6 +41,19 @@ def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_ch
     assert all(one["filled"] for one in points if one["status"] == "completed")
     cells = page.get_by_role("cell").all_inner_texts()
     assert not {f"{one['label']}, {one['setting']}" for one in wrong} & set(cells)
+
+
+def test_how_a_study_was_made_is_unfolded_by_key_and_stays_so_for_the_next_result(visit):
+    page = visit(query="v=1&view=order&methods=rk2,rk4")
+    line, words = page.get_by_text(ABOUT).locator("visible=true"), page.get_by_text(re.compile("^Reference: "))
+    line.wait_for()
+    assert not words.is_visible()
+    line.focus()
+    page.keyboard.press("Enter")
+    assert words.is_visible()
+    page.get_by_role("button", name="rk4", exact=True).click()
+    page.get_by_text(re.compile("^rk4")).locator("visible=true").first.wait_for()
+    assert words.is_visible()
 
 
 def test_a_curve_that_leaves_the_plot_reaches_its_end_and_the_words_say_how_far(visit):
