@@ -192,6 +192,12 @@ def fit_rule(shown: Sequence[Studied]) -> str:
     return ". ".join([*fitted, *unfitted, *_not_drawn(drawn)])
 
 
+def all_fitted(shown: Sequence[Studied]) -> bool:
+    """Whether each curve has a slope, and each error a point: then how they are fitted is of no concern to most."""
+    rows = [row for one in shown for row in one.rows]
+    return all(math.isfinite(row.slope) and all(0 < error < math.inf for error in row.error) for row in rows)
+
+
 def _not_drawn(drawn: Sequence[tuple[str, Row]]) -> Iterator[str]:
     """Yield why points or curves are missing, if some are."""
     exact = [name for name, row in drawn if all(error == 0 for error in row.error)]

@@ -24,7 +24,15 @@ from pwsviz.figures.order import (
     studied,
     time_rows,
 )
-from pwsviz.figures.summaries import all_slopes_text, fit_rule, numbered_crossings, slopes_text, study_text, study_times
+from pwsviz.figures.summaries import (
+    all_fitted,
+    all_slopes_text,
+    fit_rule,
+    numbered_crossings,
+    slopes_text,
+    study_text,
+    study_times,
+)
 from pwsviz.results.requests import StudyInputs, study_inputs
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.names import met_at_surfaces
@@ -95,7 +103,7 @@ class OrderTab(LongTab):
         return " ".join(filter(None, [slopes_text(shown), *self._left_out(outcome)]))
 
     def remark(self, outcome: Studies) -> str:
-        """Return whether crossing times are perturbed, and until when runs go."""
+        """Return whether crossing times are perturbed, until when runs go, and what could not be fitted."""
         scene, moved = self.scene, ""
         if scene.locate and scene.perturbation_order is not None:
             moved = (
@@ -103,11 +111,23 @@ class OrderTab(LongTab):
             )
         times = self._times(outcome)
         times += " The end time has no effect here." * bool(times)
-        return f"{moved} {times}".strip()
+        return " ".join(filter(None, (moved, times, self._made(outcome) * self._is_unusual(outcome))))
 
     def details(self, outcome: Studies) -> str:
-        """Return with what is compared, and what is fitted."""
-        return study_text(studied(outcome, self._rows), any(one.crossings != STUDY_CROSSINGS for one in outcome))
+        """Return with what is compared and what is fitted, if all could be."""
+        return self._made(outcome) * (not self._is_unusual(outcome))
+
+    def _made(self, outcome: Studies) -> str:
+        return study_text(studied(outcome, self._rows), self._is_early(outcome))
+
+    def _is_unusual(self, outcome: Studies) -> bool:
+        """Whether there is a reason to read how the study was made."""
+        return self._is_early(outcome) or not all_fitted(studied(outcome, self._rows))
+
+    @staticmethod
+    def _is_early(outcome: Studies) -> bool:
+        """Whether a trajectory has too few crossings for those that are usually looked at."""
+        return any(one.crossings != STUDY_CROSSINGS for one in outcome)
 
     def _times(self, outcome: Studies) -> str:
         return study_times(outcome[0], self._rows is state_rows, self.slid, met_at_surfaces(self.scene.declaration))
