@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import sympy
@@ -10,7 +11,7 @@ from sympy import Expr
 from core.codegen.printing import magnitude
 from core.symbolic.near_zeros import Choice
 
-__all__ = ["rounding_bound"]
+__all__ = ["rounding_bound", "with_roundings"]
 
 
 @lru_cache(maxsize=400)
@@ -33,6 +34,11 @@ def rounding_bound(expression: Expr, of_symbols: bool = True) -> Expr:
     if expression.is_Add:
         return sympy.Add(*(rounding_bound(u, of_symbols) + magnitude(u) for u in expression.args))
     return _of_arguments(expression, of_symbols) + len(expression.args) * magnitude(expression)
+
+
+def with_roundings(expressions: Sequence[Expr]) -> tuple[Expr, ...]:
+    """Return expressions, and after them the `rounding_bound` of each: a value within it may as well be 0."""
+    return (*expressions, *map(rounding_bound, expressions))
 
 
 def _of_arguments(expression: Expr, of_symbols: bool) -> Expr:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.codegen.rounding import with_roundings
 from core.integration.crossings import Crossings
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
@@ -140,7 +141,7 @@ def _passages(run: Trajectory) -> list[_Passage]:
 def _heights(run: Trajectory, rows: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """The switching functions at some crossings, and bounds on their error by rounding the states of the segments."""
     crossings, laws, p = run.crossings, run.system.laws, run.system.parameter_array
-    wanted = "heights and roundings", laws.surfaces_and_roundings
+    wanted = "heights and roundings", with_roundings(laws.surfaces)
     values = laws.evaluate(*wanted, crossings.t[rows], crossings.x[rows], p)
     before = laws.evaluate(*wanted, run.entered_t[rows], run.entered_x[rows], p)
     count = len(laws.surfaces)

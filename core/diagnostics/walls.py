@@ -9,6 +9,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from core.codegen.rounding import with_roundings
 from core.diagnostics.crossing_rates import constant_sign, rate_on_surface, ratio
 from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
@@ -17,6 +18,8 @@ from core.symbolic.zero_testing import is_zero
 from core.system import PiecewiseSystem
 
 __all__ = ["beyond_walls", "inhabited", "start_warning", "starts_beyond_wall"]
+
+_EPS = 2.0**-52
 
 
 def inhabited(system: PiecewiseSystem, met: Iterable[int] = (), t: float = 0.0) -> frozenset[int]:
@@ -48,10 +51,13 @@ def inhabited(system: PiecewiseSystem, met: Iterable[int] = (), t: float = 0.0) 
 
 
 def beyond_walls(system: PiecewiseSystem, t: float, x: Floats) -> NDArray[np.bool_]:
-    """Return which of some states (..., d) lie in a region in which no state can be."""
-    found = np.zeros(x.shape[:-1], dtype=bool)
-    for mode in frozenset(range(len(system.laws.regions))) - inhabited(system, t=t):
-        found |= np.asarray(system.heights(mode, t, x) > 0.0).all(axis=-1)
+    """Return which of some states (..., d) lie in a region in which no state can be; not on its wall, to rounding."""
+    laws, found = system.laws, np.zeros(x.shape[:-1], dtype=bool)
+    both = laws.evaluate("surfaces", with_roundings(laws.surfaces), t, x, system.parameter_array)
+    heights, roundings = np.split(both, 2, axis=-1)
+    sides = np.where(np.abs(heights) <= _EPS * roundings, 0.0, np.sign(heights))
+    for mode in frozenset(range(len(laws.regions))) - inhabited(system, t=t):
+        found |= np.logical_and.reduce([way.sign * sides[..., way.surface] > 0.0 for way in laws.ways[mode]])
     return found
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.codegen.rounding import with_roundings
 from core.compilation.guards import guard_table
 from core.kernels.arrays import Floats
 from core.symbolic.laws import Laws
@@ -47,7 +48,7 @@ def first_places(laws: Laws, t: float, x: Floats, p: Floats) -> Places:
     count, d = len(laws.surfaces), len(laws.x)
     parameters = np.ascontiguousarray(p.T)
     values = laws.evaluate("start", laws.at_start, t, x, parameters)
-    both = laws.evaluate("surfaces", laws.surfaces_and_roundings, t, x, parameters)
+    both = laws.evaluate("surfaces", with_roundings(laws.surfaces), t, x, parameters)
     heights, doubts, fields = values[:, :count], _EPS * both[:, count:], values[:, count * (1 + d) :]
     met, off = np.abs(heights) <= _ZERO * doubts, np.abs(heights) > _NOT_ZERO * doubts  # both False of nan
     clear = (met | off).all(axis=1) & (met.sum(axis=1) <= 1)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.codegen.rounding import rounding_bound
+from core.codegen.rounding import rounding_bound, with_roundings
 from core.integration.corner import Rate, WayOut, way_out_of
 from core.kernels.arrays import Floats
 from core.symbolic.laws import Laws
@@ -51,9 +51,9 @@ def first_place(system: PiecewiseSystem, t: float, x: Floats) -> Place:
 
 
 def _values(system: PiecewiseSystem, t: float, x: Floats) -> tuple[list[float], list[float]]:
-    """All switching functions at a state, and for each the size of which rounding the state changes it by eps."""
+    """All switching functions at a state, and for each a bound on its rounding, in units of eps."""
     laws = system.laws
-    both = laws.numbers("surfaces", laws.surfaces_and_roundings, t, x.tolist(), system.parameter_array)
+    both = laws.numbers("surfaces", with_roundings(laws.surfaces), t, x.tolist(), system.parameter_array)
     return both[: len(laws.surfaces)], both[len(laws.surfaces) :]
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core.codegen.rounding import with_roundings
 from core.ensemble import Ensemble, ensemble
 from core.interface.arguments import choice, numbers
 from core.interface.cancelling import Cancel
@@ -49,6 +50,8 @@ class Sweep:
     """(c,) coordinate of each point; where a reset map acts, that after it."""
     following: Floats
     """(d,) state in which a continuation goes on, with further values."""
+    begins: float
+    """Time at which it goes on: of laws that contain t the time goes on, too."""
     sides: Floats
     """(surfaces,) signs of the switching functions there, if the parameter moves a surface: 0 on it; else empty."""
     ensembles: tuple[Ensemble, ...] = field(repr=False)
@@ -109,8 +112,9 @@ def sweep(
     continuation
         "none": each run begins at x0, and all run side by side. "up", "down": each begins where the run of the next
         smaller, or larger, value has ended (or a little later, if the parameter moves a surface), so that it follows a
-        branch for as long as that attracts. The next begins at x0 after a run that has stopped, and where the surface
-        has moved over that state.
+        branch for as long as that attracts. If the laws contain t, it begins at that time as well, in the same phase of
+        what drives it, and lasts as long as the first. The next begins at x0 after a run that has stopped, and where
+        the surface has moved over that state.
     after
         The part of a continuation before, which goes on from there.
     executor, cancel, progress
@@ -149,6 +153,7 @@ def sweep(
             given[found.member],
             found.points[:, 0],
             start,
+            t_span[0],
             np.empty(0),
             (found.ensemble,),
         )
@@ -157,39 +162,43 @@ def sweep(
     parts: dict[int, Floats] = {}
     ensembles: list[Ensemble] = []
     moves = any(symbol.name == parameter for g in own.laws.surfaces for symbol in g.free_symbols)
-    here, sides = (start, np.empty(0)) if after is None else (after.following, after.sides)
+    first, lasts = t_span[0], t_span[1] - t_span[0]
+    here, begins, sides = (start, first, np.empty(0)) if after is None else (after.following, after.begins, after.sides)
     for done, k in enumerate(order.tolist(), start=1):
         if cancel is not None and cancel():
             break
         value = {parameter: given[k : k + 1]}
-        if len(sides) and (sides * _sides(own, t_span[0], here, value) < 0.0).any():
-            here = start
-        one = section(own, t_span, here, value, **common)
+        if len(sides) and (sides * _sides(own, begins, here, value) < 0.0).any():
+            here, begins = start, first
+        one = section(own, (begins, begins + lasts), here, value, **common)
         ends[k], parts[k] = Status(int(one.ensemble.status[0])), one.points[:, 0]
         ensembles.append(one.ensemble)
-        here = one.ensemble.x[0] if ends[k] in (Status.CROSSING_LIMIT, Status.EVENT_LIMIT, Status.COMPLETED) else start
+        last, goes_on = one.ensemble, ends[k] in (Status.CROSSING_LIMIT, Status.EVENT_LIMIT, Status.COMPLETED)
         if moves and ends[k] is Status.CROSSING_LIMIT:
-            on = _going_on(own, t_span[0], one, value, settings)
-            here = on.x[0] if on.status[0] == Status.COMPLETED else start
+            last = _going_on(own, begins, one, value, settings)
+            goes_on = last.status[0] == Status.COMPLETED
+        here, begins = (last.x[0], float(last.t[0]) if own.laws.names_time else first) if goes_on else (start, first)
         if moves:
-            sides = _sides(own, float(one.ensemble.t[0]), here, value)
+            sides = _sides(own, begins, here, value)
         if progress is not None:
             progress(done / len(given))
     shown = [k for k in range(len(given)) if k in parts]
     repeated = np.repeat(given[shown], [len(parts[k]) for k in shown])
     coordinates = np.concatenate([np.empty(0), *(parts[k] for k in shown)])
-    return Sweep(parameter, coordinate, given, tuple(ends), repeated, coordinates, here, sides, tuple(ensembles))
+    return Sweep(
+        parameter, coordinate, given, tuple(ends), repeated, coordinates, here, begins, sides, tuple(ensembles)
+    )
 
 
 def _going_on(
-    own: PiecewiseSystem, t0: float, one: Section, value: Mapping[str, Floats], settings: Mapping[str, Any]
+    own: PiecewiseSystem, began: float, one: Section, value: Mapping[str, Floats], settings: Mapping[str, Any]
 ) -> Ensemble:
     """Continue a run by half of the mean time between two crossings.
 
     Where it has ended, on the surface, would be beyond that of another parameter.
     """
     at, x = float(one.ensemble.t[0]), one.ensemble.x
-    later = at + (at - t0) / int(one.ensemble.crossing_count[0]) / 2
+    later = at + (at - began) / int(one.ensemble.crossing_count[0]) / 2
     how = {name: given for name, given in settings.items() if name not in ("of", "direction")}
     return ensemble(own, (at, later), x, value, **how)
 
@@ -207,6 +216,6 @@ def _sides(own: PiecewiseSystem, t: float, x: Floats, value: Mapping[str, Floats
     """Return (surfaces,) signs of the switching functions at a state; 0 where it is on a surface, to rounding."""
     laws = own.laws
     p = np.array([value.get(name, np.array([given])) for name, given in own.values.items()])
-    both = laws.evaluate("surfaces", laws.surfaces_and_roundings, t, x[None], p)[0]
+    both = laws.evaluate("surfaces", with_roundings(laws.surfaces), t, x[None], p)[0]
     heights, roundings = np.split(both, 2)
     return np.where(np.abs(heights) <= _ON * np.finfo(float).eps * roundings, 0.0, np.sign(heights))

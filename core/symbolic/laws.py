@@ -259,12 +259,6 @@ class Laws:
         return (*self.surfaces, *slopes, *(f for mode in self.regions for f in mode.written.field))
 
     @cached_property
-    def surfaces_and_roundings(self) -> tuple[Expr, ...]:
-        """Each g, then for each Σ|xₖ ∂g/∂xₖ|: rounding the state changes g by eps times this, at most."""
-        pairs = (zip(self.x, gradient, strict=True) for gradient in self.gradients)
-        return (*self.surfaces, *(sympy.Add(*(sympy.Abs(slope * v) for v, slope in pair)) for pair in pairs))
-
-    @cached_property
     def most_conserved(self) -> int:
         """The largest number of conserved quantities of a region."""
         return max(len(mode.conserved) for mode in self.regions)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import ROUNDING_OF_G, ROUNDING_OF_STATE, SET_LEVELS, STEP, G, call
+from core.kernels.abi import ROUNDING_OF_G, SET_LEVELS, STEP, G, call
 from core.kernels.jit import inlined, internal
 from core.transition.plain_steps import set_guard, take_guard
 from core.transition.records import NO_JUMP, NO_MODE
@@ -186,7 +186,7 @@ def enter_first_mode(context):
     into_here, into_there = (into_minus, into_plus) if guard.sign < 0 else (into_plus, into_minus)
     if guard.back == NO_MODE:
         status = enter_mode(context, row, 0, math.nan)
-    elif abs(g) <= w[ROUNDING_OF_STATE]:  # on the surface to round-off
+    elif abs(g) <= w[ROUNDING_OF_G]:  # on the surface to round-off
         if into_here > 0.0 and into_there > 0.0:
             return _REPELLING
         if into_here < 0.0 and into_there < 0.0:

@@ -46,6 +46,7 @@ READOUT_STYLES: dict[str, str | None] = {
     "font-size": "0.8125rem",
     "font-variant-numeric": "tabular-nums",
     "white-space": "nowrap",
+    "align-self": "center",
 }
 """CSS of the line that tells what is under the pointer."""
 

@@ -17,8 +17,8 @@ LOOK = f"""() => {{
 
 
 def whole(page, pattern):
-    """Wait until the words beside the diagram say that it is whole, and return what is seen of it."""
-    page.get_by_text(re.compile(pattern)).locator("visible=true").first.wait_for()
+    """Wait until the words below the diagram, which are folded, say that it is whole, and return what is seen of it."""
+    page.locator("details").get_by_text(re.compile(pattern)).wait_for(state="attached")
     settled_picture(page, canvas(page, "Bifurcation"))
     return await_that(page, LOOK)
 

@@ -88,6 +88,24 @@ def test_a_continuation_begins_anew_where_the_surface_has_moved_over_its_state()
     assert moved.points == pytest.approx(np.sqrt(0.25 - 0.45**2), abs=1e-10)
 
 
+def test_of_laws_that_contain_the_time_a_continuation_goes_on_in_time():
+    table = core.PiecewiseSystem(
+        name="ball on a moving table", variables=("y", "v"), surfaces=("y - a*sin(t)",),
+        regions={"+": core.Region(f=("v", "-1")), "-": core.Region(f=("v", "-1"))},
+        jumps={0: ("y", "(1 + r)*a*cos(t) - r*v")}, parameters={"a": 0.5, "r": 0.3}, x0=(2.0, 0.0),
+    )  # fmt: skip
+    settings = {"points": 2, "method": "taylor"}
+    found = core.sweep(table, (0.0, 50.0), "r", [0.6, 0.7, 0.8], "v", continuation="up", **settings)
+    t, x, points = 0.0, table.x0, []
+    for r in (0.6, 0.7, 0.8):
+        one = core.section(table, (t, t + 50.0), x, {"r": [r]}, coordinates=("v",), **settings)
+        t, x = float(one.ensemble.t[0]), one.ensemble.x[0]
+        points += one.points[:, 0].tolist()
+    assert found.points.tolist() == points
+    assert found.statuses == (Status.CROSSING_LIMIT,) * 3
+    assert found.begins == t
+
+
 def test_a_continuation_in_parts_is_that_of_the_whole():
     whole = core.sweep(BOTH, (0.0, 1e3), "a", VALUES, "x", continuation="down", **SETTINGS)
     found, points = None, []
