@@ -45,6 +45,10 @@ TABS_SX = {
         ".MuiTab-root": {"paddingX": "2.4px", "fontSize": "12px", "letterSpacing": "-0.01em"},
     },
     "@container (1060px <= width < 1350px)": {".MuiTab-root": {"fontSize": "min(0.775rem, 13px)"}},  # of a lecture
+    f"@media (width < {NARROW}px)": {  # titles fade where their row goes on
+        ".MuiTabs-scroller": {"maskImage": "linear-gradient(to left, transparent, black 40px)"},
+        ".MuiTabs-list, .MuiTabs-flexContainer": {"paddingRight": "40px"},
+    },
     ".MuiTabs-indicator": {"display": "none"},  # the shadow is there from the first paint on
     ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
     "@media (forced-colors: active)": {".MuiTab-root.Mui-selected": {"borderBottom": "3px solid Highlight"}},
