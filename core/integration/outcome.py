@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import math
-from enum import Enum, auto
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from sympy import Expr
 
-from core.codegen.rounding import rounding_bound
+from core.integration.at_surface import AtSurface, at_surface
 from core.integration.corner import BEYOND
 from core.integration.failure import Growth, ends_beyond, growth_of
 from core.integration.growth_loop import GROWTH
 from core.integration.recorded import Point
 from core.integration.run import Run
-from core.kernels.arrays import Floats
 from core.methods import METHODS, Method
 from core.symbolic.source_text import to_text
 from core.system import PiecewiseSystem
@@ -81,30 +77,6 @@ def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
     if runner.status is not Status.ESCAPED:
         growth = Growth.POLE if grown else None
     return Status.ESCAPED, growth
-
-
-class _AtSurface(Enum):
-    """Why the laws do not tell where to go on from a surface, other than by a touch."""
-
-    MET = auto()
-    BEGINS = auto()
-    RESTS = auto()
-
-
-_REASONS = {
-    _AtSurface.MET: "the trajectory meets the surface where the field beyond is tangent to it, or vanishes: how the "
-    "solution goes on is told by higher derivatives, which a run does not ask for",
-    _AtSurface.BEGINS: "the initial value is on the surface, and a field is tangent to it there, or vanishes: rates do "
-    "not tell how the solution goes on",
-    _AtSurface.RESTS: "the state is on the surface, where all fields vanish, and rests there",
-}
-
-_ADVICE = {
-    _AtSurface.MET: "No step size helps: change the initial condition or a parameter slightly, or begin beyond the "
-    "surface.",
-    _AtSurface.BEGINS: "Start off the surface, on the side you want.",
-    _AtSurface.RESTS: "For a solution that moves, start elsewhere.",
-}
 
 
 class Cause(NamedTuple):
@@ -215,7 +187,7 @@ def reason(end: Ending) -> str:
     if _moved_astray(end):
         return "a perturbed crossing has moved the state beyond another surface, or through a wall"
     if found := _at_surface(end):
-        return _REASONS[found]
+        return found.reason
     if end.status is Status.EVENT:
         return f"the event {end.cause.event!r} took place, which ends the run"
     if _lacks_psi(end):
@@ -272,7 +244,7 @@ def _advice(end: Ending) -> str:
     if status is Status.ESCAPED and end.cause.growth is Growth.LARGE:
         return "The exact one grows, too, without a pole: end the run before."
     if found := _at_surface(end):
-        return _ADVICE[found]
+        return found.advice
     if status is Status.SLIDING and laws.jumps:
         return "A system with a jump does not slide here: continue it with another system."
     if status in (Status.CORNER, Status.GRAZING) and end.slides:
@@ -328,29 +300,11 @@ def _zeros_of_noise(end: Ending) -> str:
     return " or ".join(map(to_text, found))
 
 
-def _at_surface(end: Ending) -> _AtSurface | None:
-    """What is known of the field where a run ends at a surface as if it touched it; None if it may touch it."""
-    laws, begins = end.system.laws, end.last.mode == NO_MODE
+def _at_surface(end: Ending) -> AtSurface | None:
+    """What is known where a run ends at a surface as if it touched it; None if it may touch it."""
     if end.status is not Status.GRAZING or end.slides:
         return None
-    fields = [laws.mode(mode).written.field for mode in range(len(laws.regions))]
-    if not laws.names_time and not any(_known(end, mode, field)[1].any() for mode, field in enumerate(fields)):
-        return _AtSurface.RESTS
-    if begins:
-        return _AtSurface.BEGINS
-    law = laws.mode(end.last.mode).written
-    met = int(np.argmin(_known(end, end.last.mode, law.heights)[0]))
-    rate, known = _known(end, end.last.mode, (law.rate_of(law.heights[met]),))
-    arrives = bool(known[0]) and float(rate[0]) * math.copysign(1.0, end.cause.step) < 0.0
-    return _AtSurface.MET if arrives else None
-
-
-def _known(end: Ending, mode: int, expressions: tuple[Expr, ...]) -> tuple[Floats, NDArray[np.bool_]]:
-    """Values of expressions of a mode where the run ended, and whether they are more than their rounding."""
-    t, x, p, evaluate = [end.last.t], [end.last.x], end.system.parameter_array, end.system.laws.evaluate
-    values = evaluate(("at its end", mode, expressions), expressions, t, x, p)[0]
-    bounds = tuple(map(rounding_bound, expressions))
-    return values, np.abs(values) > _ROUNDING * evaluate(("rounding", mode, expressions), bounds, t, x, p)[0]
+    return at_surface(end.system, end.last, forward=math.copysign(1.0, end.cause.step) > 0.0)
 
 
 def _step_length(run: Run) -> float:

@@ -100,6 +100,24 @@ def test_a_surface_that_is_met_for_certain_is_not_said_to_be_touched(method, f_m
     assert "meets the surface where the field beyond is tangent to it, or vanishes" in run.message
 
 
+@pytest.mark.parametrize(
+    "g", ["(x - y**2 - 1)**3", "sin(x - 1)**5*(2 + y)", "(x - 1 - t**2/8)**3", "x**3 - 3*x**2 + 3*x - 1"]
+)
+@pytest.mark.parametrize("method", ["dmm2", "rk4", "rk8"])
+def test_where_the_gradient_of_g_vanishes_on_the_surface_that_is_said_and_no_touch(g, method):
+    run = _ended(("1", "0.3"), ("0.1", "-1"), g, (0.2, 0.1), method)
+    assert run.status is Status.GRAZING
+    assert "the gradient of g vanishes on the surface" in run.message
+    assert "Write g such that it has a simple zero" in run.message
+
+
+@pytest.mark.parametrize("g", ["x - 1", "1e12*(x - 1)*(2 + x)", "1 - x**3"])
+def test_where_the_gradient_of_g_does_not_vanish_a_touch_is_said_to_be_one(g):
+    run = _ended(("y", "-x"), ("y", "-x"), g, (0.0, 1.0), "rk8")
+    assert run.status is Status.GRAZING
+    assert "gradient" not in run.message
+
+
 def test_what_rests_on_the_surface_or_begins_there_is_not_said_to_touch_it():
     rests = _ended(("y", "-x"), ("y", "-x"), "x", (0.0, 0.0))
     assert "on the surface, where all fields vanish, and rests there" in rests.message
