@@ -27,6 +27,8 @@ _SPOILT = 0.1
 _WIDENED = 1e-3
 #: Range of a variable, relative to its size, that may be rounding.
 _RESTS = 2.0**-44
+#: Least range of a variable, below which numbers have fewer digits than others, or errors beside it have.
+_LEAST = float(np.finfo(float).tiny) / 2.0**-52
 #: Factor from which on errors are said to grow: else they add up.
 _SOME = 10.0
 #: Distance of the other run, relative to the same: errors are small beside it, and it grows in proportion.
@@ -134,7 +136,7 @@ def _fresh(run: Trajectory) -> Runner:
 
 def _range(low: Floats, high: Floats) -> Floats:
     """Ranges of the coordinates; inf for one that rests, but for rounding: no error is large beside it."""
-    moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
+    moves = high - low > np.maximum(_RESTS * np.maximum(np.abs(low), np.abs(high)), _LEAST)
     return np.asarray(np.where(moves, high - low, np.inf))
 
 

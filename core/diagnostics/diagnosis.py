@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from core.diagnostics.amplification import amplified
 from core.diagnostics.backward import not_undone
 from core.diagnostics.cancellation import cancelled
+from core.diagnostics.clock import blurs, by_its_own_clock, from_zero, is_blurred
 from core.diagnostics.constants import (
     discrete_constants,
     rates,
@@ -140,13 +141,24 @@ def step_warning(run: Trajectory) -> str:
     else that of `undecided_corners`, of `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, of
     `led_astray`, or of `Diagnosis.warnings` from the first 256 crossings. A run that has not recorded its steps is
     judged by its first steps, made again, and, if these are not all and nothing is said of them, by what it has
-    recorded.
+    recorded. One whose clock does not resolve its steps is judged by these with the clock set to zero at the start; if
+    the time is named, that is what is said.
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
+    if is_blurred(run):
+        return _warning_apart_from_clock(run)
     again = with_steps(run)
     partly = again.steps < run.steps or again.crossing_count < run.crossing_count
     return _warning(again) or (_warning(run) if partly else "")
+
+
+def _warning_apart_from_clock(run: Trajectory) -> str:
+    """A warning of a run whose clock does not resolve its steps, with times counted from its start."""
+    if not by_its_own_clock(run):
+        return blurs(run)
+    warning = _warning(from_zero(run))
+    return f"Times counted from the start: {warning}" if warning else ""
 
 
 def _warning(run: Trajectory) -> str:

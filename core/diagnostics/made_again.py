@@ -10,7 +10,7 @@ from core.integration.runner import Runner
 from core.integration.trajectory import COMPARED, Status, Trajectory
 from core.methods import METHODS
 
-__all__ = ["anew", "with_steps"]
+__all__ = ["anew", "first_steps", "with_steps"]
 
 #: How runs end of which the step that failed is not made again: to find out why it did takes long.
 _FAILED = (Status.NO_CONVERGENCE, Status.ESCAPED, Status.UNSTABLE, Status.SINGULAR, Status.CANCELLED)
@@ -23,8 +23,13 @@ def with_steps(run: Trajectory) -> Trajectory:
     """
     if run.record == "steps" or run.asked is None or run.steps == run.crossing_count == 0:
         return run
+    return first_steps(run, run.asked)
+
+
+def first_steps(run: Trajectory, asked: Asked) -> Trajectory:
+    """The first steps of a run made again, asked for as it was, or with another clock."""
     most = min(run.steps + (run.status not in _FAILED), COMPARED)  # some 10 ms, and the checks of them some 100 ms
-    again = anew(run, run.asked, replace(run.asked.settings, max_steps=most))
+    again = anew(run, asked, replace(asked.settings, max_steps=most))
     if again.steps < run.steps:
         return again
     return Trajectory.of_fields({**again.__dict__, "status": run.status, "cause": run.cause})
