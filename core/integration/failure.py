@@ -15,11 +15,13 @@ from core.kernels.arrays import Floats
 from core.system import PiecewiseSystem
 from core.transition.event_location import BOUND
 
-__all__ = ["Growth", "ends_beyond", "growth_of"]
+__all__ = ["Growth", "ends_beyond", "ends_here", "growth_of"]
 
 _EVALUATIONS = 20_000  #: largest number of evaluations of the field: some seconds
 _AHEAD = (1.0, 3.0, 10.0)  #: distances ahead of a state, relative to it, at which the field is evaluated
 _TOLERANCE = 1e-4  #: relative tolerance, enough to see whether the solution grows
+#: Error of the time of a crossing, in units of the last place: ample, as it is a few of them.
+_ROUNDING = 64.0
 #: Near a pole the rate of growth grows like a power of the size: like its third root where the size goes like the time
 #: left to the power of −3. A larger power than this one tells a pole; exponentials of exponentials come to a tenth of
 #: it and less. Where it does not, the solution is followed on.
@@ -122,3 +124,10 @@ def ends_beyond(system: PiecewiseSystem, mode: str, t: float, x: Floats, h: floa
     here = system.field(mode, t, x)
     ahead = x + h * np.linspace(0.125, 1.0, 8)[:, None] * here
     return bool(np.isfinite(here).all() and np.isnan(system.field(mode, t, ahead)).any())
+
+
+def ends_here(system: PiecewiseSystem, mode: str, t: float, x: Floats) -> bool:
+    """Whether the field of a mode has a value on one side only of a time, at a state, as far as rounding shows."""
+    times = t + _ROUNDING * np.spacing(abs(t)) * np.array([-1.0, 0.0, 1.0])
+    defined = [bool(np.isfinite(system.field(mode, time, x)).all()) for time in times]
+    return any(defined) and not all(defined)

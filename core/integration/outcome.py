@@ -9,7 +9,7 @@ import numpy as np
 
 from core.integration.at_surface import AtSurface, at_surface
 from core.integration.corner import BEYOND
-from core.integration.failure import Growth, ends_beyond, growth_of
+from core.integration.failure import Growth, ends_beyond, ends_here, growth_of
 from core.integration.growth_loop import GROWTH
 from core.integration.recorded import Point
 from core.integration.run import Run
@@ -214,13 +214,18 @@ def _advice(end: Ending) -> str:
             "With these values of the parameters the field has a limit there, with others it has none: write it "
             "without the factor that numerator and denominator have in common."
         )
+    if edge := _edge(end):
+        advice = (
+            f"{edge} has values on one side of this time only, and rounding decides on which a step begins: write it "
+            "so that it has values on both, as ((t - a)**2)**0.25 for sqrt(t - a)."
+        )
+        return f"{advice} There it has no Taylor series: take rk8, too." if end.method.adaptive else advice
     if (ahead := _UNDEFINED_WITHIN.get(status, 0.0)) and last.mode != NO_MODE and not end.slides:
         name = laws.name(last.mode)
         if ends_beyond(end.system, name, last.t, np.array(last.x), ahead * end.cause.step):
-            field = ("f_minus", "f_plus")[last.mode] if laws.two_sided else f"the field of region {name!r}"
             return (
-                f"{field} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
-                "there too: (u**2)**0.75 for u**1.5."
+                f"{_field(end)} is not defined a step ahead. If that is beyond the surface, write it so that it has a "
+                "value there too: (u**2)**0.75 for u**1.5."
             )
     if _lacks_psi(end):
         others = ", ".join(name for name, one in METHODS.items() if not one.conservative)
@@ -250,6 +255,20 @@ def _advice(end: Ending) -> str:
     if status in (Status.CORNER, Status.GRAZING) and end.slides:
         return status.advice_while_sliding
     return _plain_advice(end)
+
+
+def _field(end: Ending) -> str:
+    """The field of the region where a run ended, as it was declared."""
+    laws, number = end.system.laws, end.last.mode
+    return ("f_minus", "f_plus")[number] if laws.two_sided else f"the field of region {laws.name(number)!r}"
+
+
+def _edge(end: Ending) -> str:
+    """The field in whose mode no step could be made since it ends or begins at that time; '' if that is not so."""
+    last, laws = end.last, end.system.laws
+    if end.status is not Status.NO_CONVERGENCE or end.slides or last.mode == NO_MODE:
+        return ""
+    return _field(end) if ends_here(end.system, laws.name(last.mode), last.t, np.array(last.x)) else ""
 
 
 def _plain_advice(end: Ending) -> str:

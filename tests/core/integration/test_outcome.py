@@ -138,3 +138,16 @@ def test_a_touch_at_the_end_of_a_step_is_told_and_its_states_are_in_order(method
     assert run.status is Status.GRAZING or "the run passes the surface at a distance below" in run.message
     assert (np.diff(run.segment) >= 0).all()
     assert run.segment.max() <= run.crossing_count
+
+
+@pytest.mark.parametrize("law", ["sqrt(t - 0.3)", "(t - 0.3)**(4/3)"])
+@pytest.mark.parametrize("method", ["rk8", "taylor"])
+def test_a_law_that_begins_as_it_is_entered_is_told_so_and_the_advice_helps(method, law):
+    """The surface y = 0 is met at t = 0.3, up to rounding, before which the law beyond it has no value."""
+    run = _ended((law, "-1"), ("1", "-1"), "y", (0.0, 0.3), method)
+    assert run.status is Status.NO_CONVERGENCE
+    assert "f_minus has values on one side of this time only" in run.message
+    assert "smaller step size" not in run.message
+    assert ("take rk8" in run.message) is (method == "taylor")
+    mended = {"sqrt(t - 0.3)": "((t - 0.3)**2)**0.25", "(t - 0.3)**(4/3)": "((t - 0.3)**2)**(2/3)"}[law]
+    assert _ended((mended, "-1"), ("1", "-1"), "y", (0.0, 0.3), "rk8").status is Status.COMPLETED
