@@ -15,7 +15,7 @@ from core.kernels.arrays import Floats
 from core.system import PiecewiseSystem
 from core.transition.event_location import BOUND
 
-__all__ = ["Growth", "ends_beyond", "ends_here", "growth_of"]
+__all__ = ["Growth", "ends_beyond", "ends_here", "growth_of", "pole_ahead"]
 
 _EVALUATIONS = 20_000  #: largest number of evaluations of the field: some seconds
 _AHEAD = (1.0, 3.0, 10.0)  #: distances ahead of a state, relative to it, at which the field is evaluated
@@ -65,37 +65,62 @@ def growth_of(
         None where this cannot be decided: the field is not defined on the way, or needs too many evaluations, or the
         work is given up.
     """
+    return _followed(system, mode, t0, x0, t1, size, cancel, inside=False)[0]
+
+
+def pole_ahead(
+    system: PiecewiseSystem, mode: str, t0: float, x0: Floats, t1: float, size: float, cancel: Cancel | None = None
+) -> float:
+    """Time of a pole to which the solution comes in a mode before another time, about; nan if none is found.
+
+    Parameters
+    ----------
+    mode, t0, x0, t1, size, cancel
+        As of `growth_of`.
+    """
+    growth, t = _followed(system, mode, t0, x0, t1, size, cancel, inside=True)
+    return t if growth is Growth.POLE else math.nan
+
+
+def _followed(
+    system: PiecewiseSystem, mode: str, t0: float, x0: Floats, t1: float, size: float, cancel: Cancel | None,
+    inside: bool,
+) -> tuple[Growth | None, float]:  # fmt: skip
+    """As `growth_of`, and where that was found; `inside`: as long as no guard of the mode is met."""
     size, grown = max(size, float(np.abs(x0).max())) or 1.0, False
     first: tuple[float, float] | None = None
 
-    law = system.laws.mode(system.laws.numbers_of_modes[mode]).written
+    number = system.laws.numbers_of_modes[mode]
+    law = system.laws.mode(number).written
 
     def field(t: float, x: Floats) -> Floats:
         return np.array(system.laws.numbers(("f", mode), law.field, t, x.tolist(), system.parameter_array))
 
     with np.errstate(all="ignore"):
         if not np.isfinite(field(t0, x0)).all():
-            return None
+            return None, t0
         solver = scipy.integrate.Radau(field, t0, x0, t1, rtol=_TOLERANCE, atol=_TOLERANCE * size)
         while solver.status == "running" and solver.nfev < _EVALUATIONS and not (cancel is not None and cancel()):
             try:
                 solver.step()
             except (ValueError, np.linalg.LinAlgError):  # a Jacobian that is not finite
-                return Growth.POLE if grown else None
+                return (Growth.POLE if grown else None), solver.t
+            if inside and (system.heights(number, solver.t, solver.y) < 0.0).any():
+                return None, solver.t
             largest = float(np.abs(solver.y).max())
             if largest >= BOUND:  # in steps that are not rounded away
-                return Growth.LARGE
+                return Growth.LARGE, solver.t
             if first is None and largest > math.sqrt(GROWTH) * size:
                 first = largest, _rate_of_growth(field, solver.t, solver.y)
             if not largest <= GROWTH * size:
                 grown = True
                 if first is not None and _nears_a_pole(*first, largest, _rate_of_growth(field, solver.t, solver.y)):
-                    return Growth.POLE
+                    return Growth.POLE, solver.t
     if solver.status == "finished":
-        return Growth.LARGE if grown else Growth.BOUNDED
+        return (Growth.LARGE if grown else Growth.BOUNDED), solver.t
     # The step size has reached the resolution of time: at a pole, or where the field ceases to be defined.
     ends = solver.status == "failed" and _pushes_outward(field, solver.t, solver.y)
-    return Growth.POLE if grown or ends else None
+    return (Growth.POLE if grown or ends else None), solver.t
 
 
 def _rate_of_growth(field: Callable[[float, Floats], Floats], t: float, x: Floats) -> float:

@@ -12,7 +12,7 @@ from core.integration.corner import BEYOND
 from core.integration.failure import Growth, ends_beyond, ends_here, growth_of
 from core.integration.growth_loop import GROWTH
 from core.integration.recorded import Point
-from core.integration.run import Run
+from core.integration.run import SHORTER, Run
 from core.methods import METHODS, Method
 from core.symbolic.source_text import to_text
 from core.system import PiecewiseSystem
@@ -34,6 +34,8 @@ _MARGIN = 0.1
 _UNLIKE = 1e3
 #: Part of a step ahead within which a law may cease to be defined, of a step that fails, and of ever shorter ones.
 _UNDEFINED_WITHIN = {Status.NO_CONVERGENCE: 1.0, Status.STEP_LIMIT: 2.0**-30}
+#: How many times as many steps as were allowed are left where a higher limit does not help.
+_HIGHER = 100.0
 #: Steps ahead of a failed step within which the solution must run away to be the cause of the failure.
 _AHEAD = 16.0
 
@@ -100,6 +102,10 @@ class Cause(NamedTuple):
     """What is to be said of the event functions, a sentence each."""
     shift: float = 0.0
     """By how much crossing times were perturbed."""
+    pole: float = math.nan
+    """Time of a pole to which the run would need ever shorter steps, about; nan if none is known."""
+    left: float = 0.0
+    """Number of steps, as long as the last ones, that are left at a limit of steps; 0 if these are no shorter."""
 
 
 #: Of a run that has reached its end time, and has nothing to remark.
@@ -143,6 +149,8 @@ def cause_of(run: Run) -> Cause:
         event,
         remarks,
         run.settings.shift,
+        run.pole,
+        _steps_left(run),
     )
 
 
@@ -184,6 +192,11 @@ def reason(end: Ending) -> str:
         return str(why) if why == BEYOND.reason else f"{end.status.reason}, and {why}"
     if end.status is Status.SLIDING and end.cause.jumped:
         return "the field does not lead away from the surface after the jump, so the state stays there"
+    if end.status is Status.ESCAPED and math.isfinite(end.cause.pole):
+        return (
+            f"the solution seems to have a pole at about t = {end.cause.pole:.9g}, and the field varies ever faster on "
+            "the way there, so that steps get shorter without end"
+        )
     if _moved_astray(end):
         return "a perturbed crossing has moved the state beyond another surface, or through a wall"
     if found := _at_surface(end):
@@ -246,6 +259,13 @@ def _advice(end: Ending) -> str:
             f"The step is changed as little as keeping psi allows, in the units of the variables, and {unlike}: write "
             f"the system in units in which all are of about one size, or take another method that keeps psi ({others})."
         )
+    if end.cause.left:
+        return (
+            f"Steps have become so short that {end.cause.left:.0e} more would lead to the end time: the solution seems "
+            "to vary ever faster, as it does where it grows without bound. End the run before."
+        ).replace("+", "")
+    if math.isfinite(end.cause.pole):
+        return "End the run before it."
     if status is Status.ESCAPED and end.cause.growth is Growth.LARGE:
         return "The exact one grows, too, without a pole: end the run before."
     if found := _at_surface(end):
@@ -324,6 +344,14 @@ def _at_surface(end: Ending) -> AtSurface | None:
     if end.status is not Status.GRAZING or end.slides:
         return None
     return at_surface(end.system, end.last, forward=math.copysign(1.0, end.cause.step) > 0.0)
+
+
+def _steps_left(run: Run) -> float:
+    """Number of steps left at a limit of steps, if they are so short that a higher limit does not help; else 0."""
+    if run.status is not Status.STEP_LIMIT or not run.method.adaptive or not run.recent < SHORTER * run.longest:
+        return 0.0
+    left = abs(run.t_end - run.t) / run.recent
+    return left if left > _HIGHER * run.settings.max_steps else 0.0
 
 
 def _step_length(run: Run) -> float:

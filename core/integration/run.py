@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from operator import itemgetter
 from typing import Self
 
@@ -27,10 +28,12 @@ from core.transition.passes import PASSES
 from core.transition.records import NO_JUMP, NO_MODE
 from core.transition.status import Status
 
-__all__ = ["AT_SURFACE", "Run"]
+__all__ = ["AT_SURFACE", "SHORTER", "Run"]
 
 #: Results of a run that stops at a surface.
 AT_SURFACE = (Status.SLIDING, Status.REPELLING, Status.GRAZING, Status.CORNER, Status.UNDECLARED)
+SHORTER = 2.0**-10
+"""Mean length of steps, as part of the longest one, from which on they may have become shorter without end."""
 #: Places of the fields of the record that are read or written for every run.
 _T, _T_CARRY, _T_END, _TAU, _LONGEST, _MODE, _FIRST_MODE, _ROW, _GUARD = (
     FIELDS[name] for name in ("t", "t_carry", "t_end", "tau", "longest", "mode", "first_mode", "row", "guard")
@@ -69,6 +72,10 @@ class Run:
     """Processor time of the thread in the compiled loop."""
     growth: Growth | None = None
     """How the solution grows where the run has failed, if that could be told."""
+    recent = math.inf
+    """Mean length of a step in the last call of the loop that made many."""
+    pole = math.nan
+    """Time of a pole to which the run would need ever shorter steps, about; nan if none is known."""
     why_cornered = ""
     """Why the laws do not tell how to go on from the last corner; empty if they do."""
     corner: tuple[int, ...] = ()

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from core.integration.beginning import Blank
 from core.integration.corner import BEYOND, surfaces_met
-from core.integration.failure import Growth
+from core.integration.failure import Growth, pole_ahead
 from core.integration.growth_loop import UNKNOWN, compiled_follow
 from core.integration.memory import FIELDS, FIRST_HITS
 from core.integration.outcome import cause_of_failure
 from core.integration.recorded import Chunk
-from core.integration.run import AT_SURFACE, Run
+from core.integration.run import AT_SURFACE, SHORTER, Run
 from core.integration.starting import leaning, onto_surfaces, regions_entered, sliding_begun, way_out
 from core.kernels.abi import STEP
 from core.kernels.arrays import Floats
@@ -39,6 +39,8 @@ _HITS_KEPT = 4096
 _HITS_NOT_KEPT = 1024
 #: Results of a start on the surface by first derivatives of g, for which second derivatives are then examined.
 _UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)
+#: Steps in a call of the loop whose mean length is that of steps without those that crossings cut.
+_MANY = 256
 #: Most corners passed at the same time; more accumulate.
 _MOST_CORNERS = 16
 #: Status by its code, and two by their names: Python takes longer to find them.
@@ -58,6 +60,7 @@ class Runner(Run):
     """Integrates one initial value problem; may be advanced repeatedly."""
 
     _last_corner, _corners = math.nan, 0
+    _full_chunks = 0
     _room_for_rows, _room_for_hits = _FIRST_ROWS, FIRST_HITS
 
     def advance(
@@ -76,7 +79,12 @@ class Runner(Run):
             else:
                 if self.wholes[_PENDING] and not self._make_ready(sign):
                     break
+                since, made = self.t, self.wholes[_STEPS]
                 self.status = self._chunk(record, keep_hits)
+                if self.method.adaptive and (made := self.wholes[_STEPS] - made) >= _MANY:
+                    self.recent = abs(self.t - since) / made
+                    if self.status is _RUNNING and made == _CHUNK:
+                        self._look_ahead()
                 if self.status in AT_SURFACE:
                     self._arrive(sign)
                 if after is not None:
@@ -85,9 +93,24 @@ class Runner(Run):
             return _COMPLETED
         if self.status in _UNDECIDED and self.first_mode == NO_MODE and not self.corner and self._find_first_mode(sign):
             return self.advance(t_end, record, keep_hits, after)
-        if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
+        if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED) and math.isnan(self.pole):
             self.status, self.growth = cause_of_failure(self)
         return self.status
+
+    def _look_ahead(self) -> None:
+        """End where steps get ever shorter towards a pole, without end.
+
+        They do where the field varies the faster the larger the state is. That is asked for again each time that there
+        are twice as many steps.
+        """
+        self._full_chunks += 1
+        asked = self._full_chunks & (self._full_chunks - 1) == 0
+        if not asked or self.slides or self.mode == NO_MODE or not self.recent < SHORTER * self.longest:
+            return
+        name, size = self.system.laws.name(self.mode), float(np.abs(self.start).max())
+        pole = pole_ahead(self.system, name, self.t, self.x, self.t_end, size, self.settings.cancel)
+        if not math.isnan(pole):
+            self.status, self.growth, self.pole = Status.ESCAPED, Growth.POLE, pole
 
     def _arrive(self, direction: float) -> None:
         """Stop at a surface, or go on from a corner."""

@@ -1,0 +1,61 @@
+"""How runs of a method that chooses its steps end where these get ever shorter towards a pole."""
+
+import re
+
+import numpy as np
+import pytest
+import scipy
+
+import core
+from core import Status
+
+
+def growing(field, g="y + 5", f_minus="1", x0=1.0):
+    """One coordinate, which grows where g is positive."""
+    return core.PiecewiseSystem("Growing", ("y",), (f_minus,), (field,), g, x0=(x0,))
+
+
+@pytest.mark.parametrize(
+    ("field", "pace"),
+    [
+        ("y**2 + sin(y)", lambda y: y**2 + np.sin(y)),
+        ("y**2 + sin(y**2)", lambda y: y**2 + np.sin(y**2)),
+    ],
+)
+def test_a_field_that_varies_ever_faster_towards_a_pole_ends_the_run_soon_and_tells_when_the_pole_is(field, pace):
+    run = core.integrate(growing(field), (0.0, 6.0), method="taylor")
+    assert run.status is Status.ESCAPED
+    assert run.steps < 300_000
+    told = float(re.search(r"a pole at about t = ([\d.]+),", run.message)[1])
+    parts = [scipy.integrate.quad(lambda y: 1.0 / pace(y), a, a + 1.0, limit=500)[0] for a in range(1, 100)]
+    assert told == pytest.approx(sum(parts) + 0.01, abs=2e-4)
+
+
+def test_backward_in_time_it_does_so_too():
+    system = growing("-(y**2 + sin(y))", f_minus="-1")
+    back, forth = (
+        core.integrate(s, (0.0, t), method="taylor") for s, t in ((system, -6.0), (growing("y**2 + sin(y)"), 6.0))
+    )
+    assert (back.status, back.steps) == (forth.status, forth.steps)
+    assert back.reason == forth.reason.replace("t = ", "t = -")
+
+
+def test_a_surface_before_the_pole_is_met():
+    """The run is within some hundred thousand steps of the surface when the solution beyond it has a pole."""
+    system = growing("y**2 + sin(y)", "3e6 - y", "-1")
+    run = core.integrate(system, (0.0, 6.0), method="taylor", sliding="stop")
+    assert run.status is Status.SLIDING
+    assert run.x[-1, 0] == pytest.approx(3e6)
+
+
+def test_a_limit_of_steps_that_no_higher_one_mends_says_so():
+    run = core.integrate(growing("y**2*(1 + sin(y)/2)"), (0.0, 6.0), method="taylor", max_steps=20_000)
+    assert run.status is Status.STEP_LIMIT
+    assert re.search(r"Steps have become so short that \de\d+ more would lead to the end time", run.message)
+    assert "raise the limit" not in run.message
+
+
+def test_a_limit_of_steps_that_a_higher_one_mends_says_that():
+    run = core.integrate("harmonic_oscillator", (0.0, 1000.0), method="taylor", max_steps=300)
+    assert run.status is Status.STEP_LIMIT
+    assert "raise the limit" in run.message
