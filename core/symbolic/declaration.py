@@ -25,6 +25,7 @@ from core.symbolic.expressions import TIME, parse, switching_name
 from core.symbolic.laws import Laws, RegionLaw, Way, derive
 from core.symbolic.mode import rate_along
 from core.symbolic.regular import regular
+from core.symbolic.rounded_decimals import rounded_decimals
 from core.symbolic.source_text import quoted, to_text
 from core.symbolic.stream_function import stream_function
 from core.symbolic.zero_testing import (
@@ -243,7 +244,19 @@ class Declaration(DeclaredTexts):
         over = None if is_larger(rate, _SHOWN_NODES) else tidied(rate)
         shown = "too long to show" if over is None else to_text(over)
         words = f"{name} is not conserved by {field}: {remedy}; its time derivative is"
-        return Verdict(f"{words} {shown}, not 0", over)
+        return Verdict(f"{words} {shown}, not 0{self._but_for_rounding(region, psi)}", over)
+
+    def _but_for_rounding(self, region: str, psi: Expr) -> str:
+        """Words on a quantity that is conserved but for the rounding of its decimals; '' where it is not."""
+        rounded = rounded_decimals(psi, lambda u: rate_along(self._law(region, "f"), self._x, u), self._domain(region))
+        if not rounded:
+            return ""
+        size = max(one.change for one in rounded)
+        mended = " and ".join(one.words() for one in rounded)
+        return (
+            f"; that is as much as rounding of decimals makes, by {size:.1g} of them: with {mended} it would be 0. "
+            "Write such numbers exactly"
+        )
 
     @cached_property
     def _x(self) -> tuple[Symbol, ...]:

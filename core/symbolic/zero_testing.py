@@ -47,6 +47,8 @@ _STEADY = 0.1
 _DEPENDENT = (1e-40, 1e-160)
 #: Largest argument of exp, tanh, … where a row counts as dependent: beyond it 480 digits may not show 1 − tanh(u)².
 _SHOWN = 150.0
+#: Number of points at which an expression seems to vanish that are looked at in more digits.
+_CONFIRMED = 24
 #: Number of points tried for a counterexample whose coordinates have three digits.
 _PLAIN = 12
 
@@ -231,13 +233,24 @@ class _Residual:
         failing = [point for point, fails in self.verdicts() if fails]
         if not failing:
             return None
-        partly = bool((self.relative_size < _NOTHING).any())
+        partly = self.vanishes_somewhere()
         where = self.separation() if partly else None
         for point in (*self.plain_points(), *failing):
             values = self.samples.in_digits(point)
             if values is not None and self.fails(point, values):
                 return Counterexample(point, float(values[self.place]), partly, where)
         return None
+
+    def vanishes_somewhere(self) -> bool:
+        """Whether the expression vanishes at a point, in many digits: it may be small throughout, as rounding is."""
+        rows = np.flatnonzero(self.relative_size < _NOTHING)
+        rows = rows[np.argsort(self.relative_size[rows], kind="stable")]
+        for row in rows[np.unique(np.linspace(0, len(rows) - 1, _CONFIRMED).astype(int))] if len(rows) else ():
+            point = self.samples.point(row)
+            values = self.samples.in_digits(point)
+            if values is not None and not self.fails(point, values):
+                return True
+        return False
 
     def plain_points(self) -> Iterator[dict[Symbol, float]]:
         """Yield points of moderate size, in three digits, near which the expression is clearly not zero."""
