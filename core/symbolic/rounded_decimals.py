@@ -27,7 +27,7 @@ _LEFT = 1e-6
 #: Change of a decimal, in units of its last digit, that rounding or truncation stays below; it is found to six digits.
 _ROUNDED = 1.0 - 1e-6
 #: Largest denominator of a fraction that is proposed, and its distance from what is found, in units of the last digit.
-_DENOMINATOR, _NEAR = 999, 1e-3
+_DENOMINATOR, _NEAR = 999, 1e-6
 
 
 class Rounded(NamedTuple):

@@ -23,6 +23,7 @@ def refused(force, psi, **given):
         ("-x*sqrt(x**2 + 1)", "y**2/2 + 0.33333*(x**2 + 1)**1.5", "with 1/3 in place of 0.33333 it would be 0"),
         ("-sqrt(2)*x", "y**2/2 + 0.70711*x**2", "with 0.70710678 in place of 0.70711 it would be 0"),
         ("-sqrt(2)*x", "y**2/2 + 0.7071067811865476*x**2", "with 0.7071067811865475244 in place of"),
+        ("-9.80665", "y**2/2 + 9.807*x", "with 9.806650 in place of 9.807"),  # no fraction that is near by chance
         ("-x**2 - x**6", "y**2/2 + 0.3333*x**3 + 0.142857*x**7", "1/7 in place of 0.142857"),
     ],
 )
