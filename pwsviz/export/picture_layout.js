@@ -21,7 +21,10 @@ const NAMED = 0.12  // most of the width of the picture that the names of levels
 
 const text = (name, size) => ({ [`${name}_text_font`]: FONT, [`${name}_text_font_size`]: `${size}px` })
 const SIZES = {
-  axis: { ...text("axis_label", TEXT), ...text("major_label", SMALL) },
+  axis: {
+    ...text("axis_label", TEXT), ...text("major_label", SMALL), axis_label_standoff: 2, major_label_standoff: 3,
+    major_tick_in: 0, major_tick_out: 5,
+  },
   legend: text("label", TEXT),
   bar: { ...text("title", TEXT), ...text("major_label", SMALL) },
 }

@@ -1,5 +1,5 @@
-// Markers on the dashed curves of a picture, and in its legend: without colours, and where curves coincide, dashes alone do not
-// tell which integrator a curve is of. A solid one needs none.
+// Markers on the curves of integrators in a picture, and in its legend: without colours, and where curves coincide, dashes alone
+// do not tell which integrator a curve is of.
 
 import { copied } from "./picture_names.js"
 
@@ -12,17 +12,17 @@ const OPEN = ["plus", "y", "asterisk", "x"]  // markers without an area
 const EDGE = "#ffffff"
 
 // The columns of the curves of integrators that a renderer draws, or names in a legend; null of other renderers (those of
-// studies, which have marks of their own, too), and where all are alike.
+// studies have marks of their own).
 const columns_of = ({ glyph, data_source }) => {
-  const { method, marker, dash, ...others } = data_source?.data ?? {}
-  const named = glyph?.type == "MultiLine" && method != null && marker != null && new Set(Array.from(dash, String)).size > 1
-  return named ? { marker: Array.from(marker), dashed: Array.from(dash, one => one.length > 0), ...others } : null
+  const { method, marker, ...others } = data_source?.data ?? {}
+  const named = glyph?.type == "MultiLine" && method != null && marker != null
+  return named ? { marker: Array.from(marker), ...others } : null
 }
 
-// The dashed ones, in pixels.
-const curves_of = ({ xs, ys, colour, marker, dashed }, to_screen) => marker.map((shape, k) => ({
+// They, in pixels.
+const curves_of = ({ xs, ys, colour, marker }, to_screen) => marker.map((shape, k) => ({
   marker: shape, colour: colour[k], path: Array.from(xs[k], (x, n) => to_screen(x, ys[k][n])),
-})).filter((_, k) => dashed[k])
+}))
 
 // A function: part of the length of a curve, in pixels -> the place there.
 const along = path => {
@@ -67,7 +67,7 @@ const spread_over = (curves, frame) => {
   return found
 }
 
-// Scatter with the columns x, y, marker, colour and seen, which is 0 of marks that are not.
+// Scatter with the columns x, y, marker and colour.
 const scatter = data => {
   const { ColumnDataSource } = Bokeh.loader["models/sources/column_data_source"]
   const { Scatter } = Bokeh.loader["models/glyphs/scatter"]
@@ -75,8 +75,7 @@ const scatter = data => {
   const open = data.marker.map(shape => OPEN.includes(shape))
   const looks = { edge: open.map((one, k) => one ? data.colour[k] : EDGE), thickness: open.map(one => one ? 2 : 1) }
   const fields = {
-    x: "x", y: "y", marker: "marker", fill_color: "colour", line_color: "edge", line_width: "thickness", fill_alpha: "seen",
-    line_alpha: "seen",
+    x: "x", y: "y", marker: "marker", fill_color: "colour", line_color: "edge", line_width: "thickness",
   }
   const glyph = new Scatter({
     size: { value: SIZE }, ...Object.fromEntries(Object.entries(fields).map(([name, field]) => [name, { field }])),
@@ -86,10 +85,9 @@ const scatter = data => {
 
 // What stands in a legend for the curves of a renderer: their lines, and over them their markers. Bokeh asks that both have
 // one source.
-const keys_of = (renderer, { marker, dashed, colour }) => {
+const keys_of = (renderer, { marker, colour }) => {
   const nowhere = marker.map(() => NaN)
-  const seen = dashed.map(Number)
-  const marks = scatter({ ...renderer.data_source.data, x: nowhere, y: nowhere, marker, seen, colour: Array.from(colour) })
+  const marks = scatter({ ...renderer.data_source.data, x: nowhere, y: nowhere, marker, colour: Array.from(colour) })
   return [copied(renderer, { data_source: marks.data_source }), marks]
 }
 
@@ -111,7 +109,7 @@ export const with_markers = (renderers, [across, up], frame) => {
   const marks = spread_over(curves, frame)
   const markers = scatter({
     x: marks.map(([_, [x]]) => across.invert(x)), y: marks.map(([_, [__, y]]) => up.invert(y)),
-    marker: marks.map(([{ marker }]) => marker), colour: marks.map(([{ colour }]) => colour), seen: marks.map(() => 1),
+    marker: marks.map(([{ marker }]) => marker), colour: marks.map(([{ colour }]) => colour),
   })
   const last = renderers.findLastIndex(one => named.has(one))
   return { keys, renderers: renderers.flatMap((one, k) => [...keys.get(one) ?? [one], ...k == last ? [markers] : []]) }

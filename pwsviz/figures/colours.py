@@ -55,8 +55,8 @@ TINT = 0.13
 OPACITY = {-1: 0.19, 1: 0.14, 2: 0.2, 3: 0.14, 0: 0.19}
 """Opacity of each shade behind curves against time."""
 
-PRINTED_OPACITY = {SHADES[shade]: opacity for shade, opacity in {-1: 0.45, 1: 0.15, 2: 0.45, 3: 0.4, 0: 0.55}.items()}
-"""Opacity in print of each colour of `SHADES`, in every figure; without colours, too, they differ."""
+PRINTED_OPACITY = {SHADES[shade]: opacity for shade, opacity in {-1: 0.24, 1: 0.1, 2: 0.26, 3: 0.28, 0: 0.48}.items()}
+"""Opacity in print of each colour of `SHADES`, in every figure: light, and without colours, too, they differ."""
 
 
 def on_either_ground(colour: str) -> str:

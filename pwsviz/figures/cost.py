@@ -58,8 +58,8 @@ __all__ = [
 ]
 
 EXTERNAL_LINES = {
-    "scipy": Line(GREY, (6, 3, 1, 3), "square_pin", 1.6),
-    "heyoka": Line(PALE_GREY, (20, 6), "triangle_pin", 1.6),
+    "scipy": Line(GREY, (6, 3, 1, 3), "y", 1.6),
+    "heyoka": Line(PALE_GREY, (20, 6), "plus", 1.6),
 }
 """Looks of external solvers: grey, with dashes and markers that none of our methods has."""
 
@@ -126,7 +126,7 @@ class CostView:
             "dash": [list(line.dash) for line in together(one.line for one in drawn)],
             "width": [min(one.line.width, 2.5) for one in drawn],
             "label": [one.curve.title for one in drawn],
-            **mark_columns([one.line.marker for one in drawn], True),
+            **mark_columns([one.line.marker for one in drawn]),
         }
         rows = [row for one in drawn for row in one.points()]
         for source, place in ((self.points, "right"), (self.wrong, "wrong"), (self.below, "below")):

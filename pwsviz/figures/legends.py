@@ -68,11 +68,11 @@ if (prototype.marks_as_drawn == null) {
 """JavaScript that gives the marks in all legends the angle that they have in the figure, and the size as far as there
 is room: Bokeh makes them alike, upright, and so small that a star looks like a speck."""
 
-MARK_COLUMNS = ("nowhere", "marker", "seen")
+MARK_COLUMNS = ("nowhere", "marker")
 """Columns that the source of the lines needs for their marks in the legend."""
 
 
-def legend_marks(plot: figure, lines: ColumnDataSource, size: float) -> Any:
+def legend_marks(plot: figure, lines: ColumnDataSource, size: float, **fill: Any) -> Any:
     """Return what a legend draws over its lines, of the source of these, as Bokeh asks for: nothing in the plot.
 
     Parameters
@@ -83,23 +83,16 @@ def legend_marks(plot: figure, lines: ColumnDataSource, size: float) -> Any:
         Its curves, with the columns `MARK_COLUMNS`.
     size : float
         Diameter in pixels of the marks on the curves.
+    **fill
+        Their filling, of the colour of the curve unless this names another one.
     """
-    look: dict[str, Any] = {"fill_color": "colour", "line_color": "colour", "fill_alpha": "seen", "line_alpha": "seen"}
+    look: dict[str, Any] = {"fill_color": "colour", "line_color": "colour", **fill}
     return plot.add_glyph(lines, Scatter(x="nowhere", y="nowhere", marker="marker", size=size, **look))
 
 
-def mark_columns(markers: Sequence[str], seen: bool) -> dict[str, Any]:
-    """Return `MARK_COLUMNS` of lines.
-
-    Parameters
-    ----------
-    markers : sequence of str
-        The marker of each.
-    seen : bool
-        Whether there are marks; a legend draws a line without one only if its mark is transparent.
-    """
-    count = len(markers)
-    return {"nowhere": [np.nan] * count, "marker": list(markers), "seen": [float(seen)] * count}
+def mark_columns(markers: Sequence[str]) -> dict[str, Any]:
+    """Return `MARK_COLUMNS` of lines, of the marker of each."""
+    return {"nowhere": [np.nan] * len(markers), "marker": list(markers)}
 
 
 def legend_below(plot: figure, entries: Sequence[tuple[Any, Any]], usual: int = 1) -> list[LegendItem]:

@@ -1,4 +1,9 @@
-"""The looks of integrators: their colours, dashes, markers and widths, legible without telling colours apart."""
+"""The looks of integrators: their colours, dashes, markers and widths, legible without telling colours apart.
+
+An integrator has one colour, one dash and one marker in every figure, legend and picture, whatever else is drawn. What
+tells its curves apart is never one of these: of several starts it is the width, of several crossings how full the marks
+are.
+"""
 
 from __future__ import annotations
 
@@ -42,12 +47,14 @@ LOOKS: dict[str, tuple[Line, ...]] = {
         Line(VERMILION, (8, 6), "square", 1.6),
         Line(GREEN, (4, 4), "triangle", 1.6),
         Line(BROWN, (10, 4, 2, 4, 2, 4), "star", 1.6),
-        Line(BERRY, (2, 5), "y", 2.4),
+        Line(BERRY, (2, 5), "square_pin", 2.4),
     ),
-    "Projected": (Line(OCHRE, (6, 2), "plus", 2.4),),
+    "Projected": (Line(OCHRE, (6, 2), "triangle_pin", 2.4),),
     "TaylorSeries": (Line(VIOLET, (14, 4, 5, 4), "asterisk", 1.6),),
 }
-"""Looks of the integrators of each family, in their order (cyclically); all differ in colour and in dash."""
+"""Looks of the integrators of each family, in their order (cyclically); all differ in colour, in dash and in marker.
+
+Markers of those that have an order are closed, as order plots fill them."""
 
 WIDEST = 4.5
 """Width in pixels of the first of several curves that are drawn together."""
@@ -76,13 +83,12 @@ def line_of(method: str) -> Line:
 def together(lines: Iterable[Line]) -> list[Line]:
     """Return the looks of curves that are drawn together, each over those before it.
 
-    Alike ones are solid, for there is none to tell apart. Else each look is narrower than those before it, which are so
-    seen beside it where the curves coincide.
+    Each look is narrower than those before it, which are so seen beside it where the curves coincide.
     """
     found = list(lines)
     looks = list(dict.fromkeys(found))
     if len(looks) == 1:
-        return [line._replace(dash=()) for line in found]
+        return found
     widths = dict(zip(looks, np.linspace(WIDEST, NARROWEST, len(looks)).tolist(), strict=True))
     return [line._replace(width=widths[line]) for line in found]
 
@@ -95,7 +101,7 @@ def widths_in_time(methods: Iterable[str]) -> list[float]:
 
 
 LOOK_COLUMNS = ("method", "colour", "dash", "marker")
-"""Columns of curves by integrator, see `look_columns`; in print dashed ones have markers (see `picture_markers.js`)."""
+"""Columns of curves by integrator, see `look_columns`; in print they have markers (see `picture_markers.js`)."""
 
 
 def look_columns(methods: Sequence[str]) -> dict[str, list[Any]]:

@@ -1,23 +1,23 @@
 """The order plot: an error against the step size, one curve for each number of crossings, with fitted slopes.
 
-With several integrators a curve has the look of its integrator, and the mark of its number of crossings.
+A curve has the look of its integrator; how full its marks are tells the number of crossings.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, Scatter
 from numpy.typing import ArrayLike, NDArray
 
 import core
-from pwsviz.figures.colours import GREEN, GREY, ORANGE, SKY
+from pwsviz.figures.colours import GREY, GROUND
 from pwsviz.figures.conserved import NOWHERE
 from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
-from pwsviz.figures.lines import Line, line_of
+from pwsviz.figures.lines import line_of
 from pwsviz.figures.slope_names import name_slopes
 from pwsviz.figures.style import fit_to_corners, lowest, mark_levels, plain_figure
 from pwsviz.geometry.numbers import MACHINE_EPSILON
@@ -25,17 +25,12 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 
-LINES = (
-    Line(GREY, (), "circle", 1.6),
-    Line(SKY, (8, 4), "square", 1.6),
-    Line(GREEN, (3, 3), "triangle", 1.6),
-    Line(ORANGE, (10, 4, 2, 4), "diamond", 1.6),
-)
-"""Looks of the curves of one integrator: before the first crossing, and then of each studied one, here and in the plot
-of crossing times. They do not stand for integrators, whose looks are in `style`."""
-
-MARK = 6
+MARK = 7
 """Pixels of the mark of a measured error."""
+
+FILLINGS = (0.0, 0.3, 0.6, 1.0)
+"""How full the marks are before the first crossing, and then of each studied one, here and in the plot of crossing
+times: an opacity."""
 
 SCATTERED = 0.05
 """Standard error of a slope from which on it is told, as the second digit of the slope then means nothing."""
@@ -77,7 +72,7 @@ class Row:
     """Errors above this enter the fit."""
     fit_below: float = np.inf
     """Errors below this enter the fit."""
-    look: Line = LINES[0]
+    filling: float = FILLINGS[0]
     spread: float = 0.0
     """Standard error of the slope, of the residuals of the fit."""
     at_round_off: bool = False
@@ -139,9 +134,9 @@ def limits(shown: Sequence[Studied]) -> tuple[Row, Row] | None:
     return (ordered[0], ordered[-1]) if ordered else None
 
 
-def look_after(k: int) -> Line:
-    """Return the look of what is told after the k-th of the studied crossings, from 1; 0 is before the first."""
-    first, *others = LINES
+def filling_after(k: int) -> float:
+    """Return how full the marks are after the k-th of the studied crossings, from 1; 0 is before the first."""
+    first, *others = FILLINGS
     return others[(k - 1) % len(others)] if k else first
 
 
@@ -151,9 +146,9 @@ def state_rows(study: core.OrderStudy) -> list[Row]:
     names = [("before the first crossing", "before")]
     names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
     fitted = study.state_error, study.state_slope, study.window
-    above, round_off = study.fit_above.tolist(), study.at_round_off.tolist()
+    above, below, round_off = study.fit_above.tolist(), study.fit_below, study.at_round_off.tolist()
     return [
-        Row(*names[k], error, slope, window, above[k], study.fit_below, look_after(k), spread, round_off[k], numbers[k])
+        Row(*names[k], error, slope, window, above[k], below, filling_after(k), spread, round_off[k], numbers[k])
         for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
     ]
 
@@ -163,20 +158,9 @@ def time_rows(study: core.OrderStudy) -> list[Row]:
     names = [f"crossing {count}" for count in study.crossings]
     fitted = study.time_error, study.time_slope, study.time_window
     above, below, round_off = study.time_fit_above.tolist(), study.time_fit_below, study.time_at_round_off.tolist()
+    full, numbers = [filling_after(k + 1) for k in range(len(names))], study.crossings
     return [
-        Row(
-            names[k],
-            names[k],
-            error,
-            slope,
-            window,
-            above[k],
-            below,
-            look_after(k + 1),
-            spread,
-            round_off[k],
-            study.crossings[k],
-        )
+        Row(names[k], names[k], error, slope, window, above[k], below, full[k], spread, round_off[k], numbers[k])
         for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
     ]
 
@@ -287,17 +271,22 @@ class OrderView:
         plot = self.figure
         self.fits = ColumnDataSource({"xs": [], "ys": [], "colour": []})
         fits = plot.multi_line("xs", "ys", source=self.fits, color="colour", alpha=0.25, line_width=6, line_cap="round")
-        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "label", *MARK_COLUMNS)})
+        columns = ("xs", "ys", "colour", "dash", "label", "filling", *MARK_COLUMNS)
+        self.curves = ColumnDataSource({name: [] for name in columns})
         lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
-        self.points = ColumnDataSource({name: [] for name in ("x", "y", "nowhere", "colour", "marker", "label")})
-        plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=MARK)
+        columns = ("x", "y", "nowhere", "colour", "marker", "label", "filling")
+        self.points = ColumnDataSource({name: [] for name in columns})
+        look: dict[str, Any] = {"marker": "marker", "size": MARK, "line_color": "colour"}
+        plot.add_glyph(self.points, Scatter(fill_color=GROUND, **look))  # no line is seen through a mark
+        plot.add_glyph(self.points, Scatter(fill_color="colour", fill_alpha="filling", **look))
         # What the marks of several integrators stand for is told in a colour of none of them.
-        grey = Scatter(x="nowhere", y="nowhere", marker="marker", size=MARK, fill_color=GREY, line_color=GREY)
-        keys_of_marks = plot.add_glyph(self.points, grey)
+        grey: dict[str, Any] = {"marker": "circle", "size": MARK, "fill_color": GREY, "line_color": GREY}
+        keys_of_marks = plot.add_glyph(self.points, Scatter(x="nowhere", y="nowhere", fill_alpha="filling", **grey))
         self.guide_names = name_slopes(plot, self.guides, self.curves)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
-        keys = legend_marks(plot, self.curves, size=MARK)
-        entries = [({"field": "label"}, [lines, keys]), ({"field": "label"}, keys_of_marks), ("fit", fits)]
+        under = legend_marks(plot, self.curves, MARK, fill_color=GROUND)
+        keys = legend_marks(plot, self.curves, MARK, fill_alpha="filling")
+        entries = [({"field": "label"}, [lines, under, keys]), ({"field": "label"}, keys_of_marks), ("fit", fits)]
         _, self._marks, self._fit = legend_below(plot, entries, usual=2)
 
     def show(self, shown: Sequence[Studied]) -> None:
@@ -311,8 +300,9 @@ class OrderView:
             "colour": [one.line.colour for one in drawn],
             "dash": [list(one.line.dash) for one in drawn],
             "label": [one.label for one in drawn],
-            # Of several integrators the marks tell rows, not methods, and have entries of their own.
-            **mark_columns([one.marker for one in drawn], not several),
+            # Of several integrators an entry stands for all curves of one, and the marks have entries of their own.
+            "filling": [1.0 if several else one.row.filling for one in drawn],
+            **mark_columns([one.line.marker for one in drawn]),
         }
         counts = [int(one.there.sum()) for one in drawn]
         self.points.data = {
@@ -320,8 +310,9 @@ class OrderView:
             "y": np.concatenate([one.row.error[one.there] for one in drawn]),
             "nowhere": np.full(sum(counts), np.nan),
             "colour": np.repeat([one.line.colour for one in drawn], counts),
-            "marker": np.repeat([one.marker for one in drawn], counts),
+            "marker": np.repeat([one.line.marker for one in drawn], counts),
             "label": np.repeat([one.row.short for one in drawn], counts),
+            "filling": np.repeat([one.row.filling for one in drawn], counts),
         }
         self._marks.visible = several
         fits = [(fitted_line(one.taus, one.row), one.line.colour) for one in drawn]
@@ -374,8 +365,7 @@ class _Drawn:
 
     def __init__(self, one: Studied, k: int, several: bool) -> None:
         self.taus, self.row = one.taus, one.rows[k]
-        self.marker = self.row.look.marker
-        self.line = line_of(one.method) if several else self.row.look
+        self.line = line_of(one.method)
         self.label = one.label if several else self.row.label
         self.there = np.isfinite(self.row.error) & (self.row.error > 0)
 

@@ -81,7 +81,7 @@ def _reason(first: Summary, *others: Summary) -> str:
 
 
 def dot(colour: str) -> str:
-    """Return a dot in the colour of an integrator, as SVG: its line is solid or dashed, as the figure has room."""
+    """Return a dot in the colour of an integrator, as SVG."""
     return (
         f'<svg width="{DOT}" height="{DOT}" viewBox="0 0 2 2" aria-hidden="true">'
         f'<circle cx="1" cy="1" r="1" fill="{colour}" style="fill: {on_either_ground(colour)}"/></svg>'

@@ -50,6 +50,12 @@ LEVELS = 7
 LEAST_AREA = 1e-9
 """Area of a region, relative to the window, below which it is a line of the grid on which g = 0."""
 
+SMOOTH = 0.8
+"""Least mean cosine of the angle by which the gradient of ψ turns from one vertex of a level set to the next: 37°."""
+
+BESIDE = 1e-3
+"""Part of a cell over which differences of ψ give its gradient."""
+
 FINE = 300
 """Vertices along the shorter side, at least, of a line of which a moving surface hides a part."""
 
@@ -296,7 +302,27 @@ class _Grid:
         They have a vertex wherever they leave a cell of the grid, so that a region between two ends is met.
         """
         trace = self._levels(mode)
-        return joined((with_value(trace(level), level) for level in levels if trace is not None), 3)
+        lines = ((level, trace(level)) for level in levels if trace is not None)
+        return joined((with_value(line, level) for level, line in lines if self._is_smooth(mode, line)), 3)
+
+    def _is_smooth(self, mode: int, line: Floats) -> bool:
+        """Whether the grid resolves a level set; one along a field with too many periods in the window is a thicket."""
+        turning = self._turning(mode, line)
+        known = turning[np.isfinite(turning)]
+        return not known.size or float(known.mean()) > SMOOTH
+
+    def _turning(self, mode: int, line: Floats) -> Floats:
+        """Return the cosine of the angle by which the gradient of ψ turns from each vertex to the next."""
+        (x, y), step = line.T, BESIDE * self.side / GRID
+
+        def psi(dx: float, dy: float) -> Floats:
+            values = self._first_psi(mode, self._states(x + dx, y + dy))
+            return np.zeros_like(x) if values is None else values
+
+        slopes = np.column_stack([psi(step, 0.0) - psi(-step, 0.0), psi(0.0, step) - psi(0.0, -step)])
+        with np.errstate(all="ignore"):
+            directions = slopes / np.linalg.norm(slopes, axis=1, keepdims=True)
+            return (directions[1:] * directions[:-1]).sum(axis=1)
 
     def whole(self, mode: int, orbits: tuple[float, ...]) -> list[Columns]:
         """Return level sets, those of the orbits, and arrows, of which a moving surface hides the part beyond it."""

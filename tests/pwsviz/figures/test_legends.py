@@ -55,15 +55,14 @@ def test_the_key_of_a_part_of_the_surface_is_painted_as_the_part_is():
 
 
 def keys_of(view):
-    """The mark that a legend paints over the line of each label: colour and marker, or None if it is transparent."""
+    """The mark that a legend paints over the line of each label: colour and marker."""
     item = view.figure.legend[0].items[0]
-    lines, marks = item.renderers
+    lines, *_, marks = item.renderers
     assert isinstance(marks.glyph, Scatter)
     columns = marks.data_source.data
     assert marks.data_source is lines.data_source, "as Bokeh asks for, or it complains"
     assert np.isnan(columns["nowhere"]).all(), "nothing of it is in the plot"
-    looks = zip(columns["colour"], columns["marker"], columns["seen"], strict=True)
-    return [(colour, marker) if seen else None for colour, marker, seen in looks]
+    return list(zip(columns["colour"], columns["marker"], strict=True))
 
 
 def test_the_legend_of_the_cost_has_the_markers_of_its_curves():
@@ -75,18 +74,17 @@ def test_the_legend_of_the_cost_has_the_markers_of_its_curves():
     assert len(drawn) == 2
 
 
-def test_the_legend_of_the_order_has_the_markers_of_its_rows_or_names_them_apart():
+def test_the_legend_of_the_order_has_the_markers_of_its_curves_and_names_their_fillings_apart():
     view = OrderView("state error")
     studies = [
         core.order_study(OSCILLATOR, np.geomspace(0.02, 0.1, 4), method=name, crossings=(2, 4))
         for name in ("dmm2", "rk4")
     ]
     one, two = (studied(tuple(studies[:count]), state_rows) for count in (1, 2))
-    view.show(one)
-    assert set(keys_of(view)) == set(zip(view.points.data["colour"], view.points.data["marker"], strict=True))
-    view.show(two)
-    assert set(keys_of(view)) == {None}, "a marker tells a row here, not an integrator"
-    assert view.figure.legend[0].items[1].visible
+    for shown, several in ((one, False), (two, True)):
+        view.show(shown)
+        assert set(keys_of(view)) == set(zip(view.points.data["colour"], view.points.data["marker"], strict=True))
+        assert view.figure.legend[0].items[1].visible is several
 
 
 def test_the_key_of_level_sets_is_half_in_the_colour_of_each_side_on_which_they_are():

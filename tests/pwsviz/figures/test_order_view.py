@@ -40,14 +40,18 @@ def test_order_plot_has_a_curve_and_a_fit_for_each_number_of_crossings():
 
 def test_a_crossing_has_one_look_in_the_plots_of_states_and_of_times():
     studies = Results().studies(study_inputs(Scene()))
-    plots = []
+    plots, look = [], line_of(studies[0].method)
     for rows in (state_rows, time_rows):
         view = OrderView("error")
         view.show(studied(studies, rows))
-        plots.append(list(zip(*(view.curves.data[name] for name in ("colour", "dash", "marker")), strict=True)))
+        names = ("colour", "dash", "marker")
+        assert {tuple(map(str, row)) for row in zip(*(view.curves.data[name] for name in names), strict=True)} == {
+            (look.colour, str(list(look.dash)), look.marker)
+        }, "it is that of the integrator"
+        plots.append(list(view.curves.data["filling"]))
     states, times = plots
     assert states[1:] == times
-    assert len({colour for colour, _, _ in states}) == len(states)
+    assert states == sorted(set(states)) == [0.0, *states[1:]], "the more crossings, the fuller are the marks"
 
 
 def test_the_tables_hold_every_curve_and_fit_that_is_drawn():
@@ -88,7 +92,9 @@ def test_several_integrators_have_their_own_looks_and_their_slopes_in_a_table():
     ):
         assert shown[0]._replace(rows=[replace(row, slope=slope) for slope in slopes]).label == label
     assert view.curves.data["colour"] == [line_of(name).colour for name in ["dmm2"] * 3 + ["rk4"] * 3]
-    assert len(set(view.points.data["marker"])) == len(set(view.points.data["label"])) == 3
+    assert set(view.points.data["marker"]) == {line_of(name).marker for name in ("dmm2", "rk4")}
+    assert len(set(view.points.data["filling"])) == len(set(view.points.data["label"])) == 3
+    assert set(view.curves.data["filling"]) == {1.0}, "in the legend, where a key stands for all curves of one"
     assert view.guide_names.data["text"] == ["slope 2", "slope 4"]
     (table,) = order_numbers(shown)
     assert [row[:2] for row in table.rows] == [("dmm2", "2"), ("rk4", "4")]

@@ -13,7 +13,6 @@ from pwsviz.figures.cost import EXTERNAL_LINES
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.lines import line_of, together, widths_in_time
 from pwsviz.figures.marks import ENDS, KIND_COLOURS
-from pwsviz.figures.order import LINES
 from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
 from pwsviz.figures.section import START_COLOURS
 from pwsviz.figures.style import LEVEL, assign, plain_figure, show_methods, side_strips
@@ -28,6 +27,9 @@ SIGHT = {
 }
 PAGES = {"#ffffff": False, "#121212": True}
 """Colours of the page, and whether that is dark."""
+
+OPEN = {"asterisk", "cross", "dash", "dot", "plus", "x", "y"}
+"""Markers of Bokeh without an area."""
 
 TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 
@@ -48,13 +50,20 @@ def test_every_integrator_has_a_look_of_its_own():
 
 
 @pytest.mark.parametrize("name", core.METHODS)
-def test_a_curve_that_stands_alone_is_solid_and_so_is_its_key(name):
+def test_a_curve_has_one_look_alone_and_beside_others_and_so_has_its_key(name):
     look, keys = line_of(name), ColumnDataSource({"method": []})
-    assert together([look, look]) == [look._replace(dash=())] * 2, "also those of several starts"
-    show_methods(keys, [name])
-    assert keys.data["dash"] == [[]]
-    both = [line_of("dmm4"), line_of("dmm6")]
-    assert [line._replace(width=0) for line in together(both)] == [line._replace(width=0) for line in both]
+    assert together([look, look]) == [look] * 2, "also those of several starts"
+    for names in ([name], [name, "rk2"], ["dmm6", name]):
+        show_methods(keys, names)
+        k = keys.data["method"].index(name)
+        told = {column: keys.data[column][k] for column in ("colour", "dash", "marker")}
+        assert told == {"colour": look.colour, "dash": list(look.dash), "marker": look.marker}
+        beside = together(map(line_of, dict.fromkeys(names)))[k]
+        assert beside._replace(width=look.width) == look
+
+
+def test_every_marker_in_an_order_plot_can_be_filled():
+    assert all(line_of(name).marker not in OPEN for name, one in core.METHODS.items() if one.order)
 
 
 @pytest.mark.parametrize("names", [("dmm2", "prk8"), ("prk8", "dmm2"), ("rk4", "prk8"), tuple(core.METHODS)])
@@ -101,7 +110,7 @@ def grounds(page):
     return [page, *strips]
 
 
-CURVES = {line_of(name).colour for name in core.METHODS} | {line.colour for line in (*LINES, *EXTERNAL_LINES.values())}
+CURVES = {line_of(name).colour for name in core.METHODS} | {line.colour for line in EXTERNAL_LINES.values()}
 MARKS = {*KIND_COLOURS.values(), *(look.colour for look in ENDS.values()), *START_COLOURS, *ON_DARK} - {
     CALM,
     MILD,
@@ -153,7 +162,7 @@ def test_no_two_shades_of_regions_are_closer_than_those_of_two_sides_need_be_in_
 
 
 def test_the_shades_of_two_sides_differ_in_a_print_without_colours():
-    deeper = 1.5  # as `export/picture_layout.js` makes them
+    deeper = 1.5  # as some printers make them
     greys = [0.299 * r + 0.587 * g + 0.114 * b for side in (-1, 1) for r, g, b in
              [rgb(mixed(OCCUPIED[side][1], deeper * side_strips(side).fill_alpha, "#ffffff"))]]  # fmt: skip
     assert all(abs(a - b) > 10 for a, b in combinations([*greys, 255], 2))
@@ -194,6 +203,8 @@ def test_printed_shades_differ_without_their_colours():
         return 1 - alpha + alpha * (0.299 * red + 0.587 * green + 0.114 * blue) / 255
 
     minus, plus, sliding = (grey(SHADES[shade]) for shade in (-1, 1, 0))
-    assert 1 - plus > 0.03, "it is seen"
-    assert plus - minus > 0.1
+    assert minus > 0.9, "ink lies on it, which is to be read"
+    assert 1 - plus > 0.025, "it is seen"
+    assert plus - minus > 0.05
     assert minus - sliding > 0.1
+    assert min(np.diff(sorted(grey(colour) for colour in PRINTED_OPACITY))) > 0.04

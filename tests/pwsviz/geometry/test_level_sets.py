@@ -54,3 +54,14 @@ def test_a_circle_is_smooth_in_a_window_of_any_shape(draw):
     line = circle[np.isfinite(circle).all(axis=1)]
     directions = np.unwrap(np.arctan2(*np.diff(line, axis=0).T))
     assert np.abs(np.diff(directions)).max() < np.radians(8), "no polygon to the eye on a page"
+
+
+@pytest.mark.parametrize(("turns", "drawn"), [(3, True), (60, False), (200, False)])
+def test_level_sets_that_wind_in_less_than_the_grid_resolves_are_not_drawn(turns, drawn):
+    """Those of a pendulum which has turned round so often that all of it is in the window."""
+    system, length = core.CATALOGUE["pendulum"], 2 * np.pi * turns
+    (psi,) = system.conserved("+", 0.0, (1.0, 6.0))
+    view = backdrop(system, Window(-0.1 * length, length, -length / 2, length / 2), {1: (float(psi),)})
+    assert np.isfinite(view.orbit_levels[1]).any() == drawn
+    curves = np.isnan(view.levels[1][:, 0]).sum()
+    assert 3 < curves < 30, "those far from p = 0 are nearly straight"
