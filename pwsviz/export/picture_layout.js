@@ -1,6 +1,6 @@
 // A figure laid out anew for a picture of a given width: text keeps its size, and everything is inside.
 
-import { FONT, typeset, width_of } from "./picture_letters.js"
+import { face, typeset, width_of } from "./picture_letters.js"
 import { with_curves_cut, with_turns_apart } from "./picture_clip.js"
 import { scale_of, with_keys, with_markers } from "./picture_markers.js"
 import { copied, with_names_placed } from "./picture_names.js"
@@ -19,15 +19,15 @@ const SPARE = 8  // pixels beside a text, where another may begin
 const LINE = 1.3  // height of a line of text, in heights of its letters
 const NAMED = 0.12  // most of the width of the picture that the names of levels take beside the frame
 
-const text = (name, size) => ({ [`${name}_text_font`]: FONT, [`${name}_text_font_size`]: `${size}px` })
-const SIZES = {
+const text = (name, size) => ({ [`${name}_text_font`]: face.family, [`${name}_text_font_size`]: `${size}px` })
+const letters_of = kind => ({
   axis: {
     ...text("axis_label", TEXT), ...text("major_label", SMALL), axis_label_standoff: 2, major_label_standoff: 3,
     major_tick_in: 0, major_tick_out: 5,
   },
   legend: text("label", TEXT),
   bar: { ...text("title", TEXT), ...text("major_label", SMALL) },
-}
+})[kind]
 const shown = name => ({ [`${name}_line_color`]: INK, [`${name}_line_alpha`]: 1, [`${name}_line_width`]: 1 })
 const PRINTED = {
   plot: { background_fill_color: PAPER, border_fill_color: PAPER, ...shown("outline") },
@@ -185,7 +185,7 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
   const ranges = [range(model.x_range), range(model.y_range)], [left, right] = [seen.left + inset, seen.right + inset]
   const frame = { width: Math.round(width - left - right), height: Math.round(height) }
   const letters = {
-    text_font: { value: FONT }, text_font_size: { value: `${SMALL}px` },
+    text_font: { value: face.family }, text_font_size: { value: `${SMALL}px` },
     background_fill_color: { value: PAPER }, background_fill_alpha: { value: VEIL },  // arrows and curves end there
   }
   const named = await with_names_placed(model.renderers, ranges, frame, letters)
@@ -202,7 +202,7 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
   const part = (one, side) => {
     const kind = kind_of(one)
     if (kind == null) return one
-    const changes = { ...SIZES[kind], ...looks[kind] }
+    const changes = { ...letters_of(kind), ...looks[kind] }
     const own = one.ticker ?? one.axis?.ticker, ticker = tickers.get(own) ?? own
     if (kind == "axis") return copied(one, { ...changes, ticker, ...fitted_axis(one, side, seen, width) })
     if (kind == "legend") return copied(one, { ...changes, ...fitted_legend(one, seen, width), items: with_keys(one.items, keys) })
@@ -271,7 +271,7 @@ const keep_inside = (svg, frame) => {
     return low < middle && middle < high ? Math.max(0, low - start) + Math.min(0, high - end) : 0
   }
   for (const words of svg.querySelectorAll("text")) {
-    words.setAttribute("font-family", FONT)
+    words.setAttribute("font-family", face.family)
     if (words.closest("[clip-path]") == null) continue
     const large = parseFloat(words.getAttribute("font-size")) >= ON_PAGE
     words.setAttribute("font-size", `${large ? SMALL : ON_PAGE}px`)

@@ -1,10 +1,25 @@
 // The mathematics in the texts of a picture: names of quantities in italics, products without a dot, exponents raised.
 
-export const FONT = "DejaVu Sans"
+// What there is of each typeface: its family, that of its slanted face, its files, and the hat over a letter, which is a letter of
+// its own, as a PDF sets a combining one beside it: its width, how far right of the middle of a slanted letter it begins, and how
+// much a tall one raises it.
+const TYPEFACES = {
+  "sans serif": {
+    family: "DejaVu Sans", slanted: "DejaVu Sans Oblique", hat: { width: 0.5, aside: -0.23, raised: 0.11 },
+    files: { normal: "DejaVuSans-subset.ttf", italic: "DejaVuSans-Oblique-subset.ttf" },
+  },
+  serif: {
+    family: "Pwsviz Serif", slanted: "Pwsviz Serif Italic", hat: { width: 0.333, aside: -0.1, raised: 0.2 },
+    files: { normal: "PwsvizSerif-subset.ttf", italic: "PwsvizSerif-Italic-subset.ttf" },
+  },
+}
+
+export let face = TYPEFACES["sans serif"]  // that of the picture which is being made
+export const choose_typeface = name => { face = TYPEFACES[name] }
 
 const pen = document.createElement("canvas").getContext("2d")
 export const width_of = (words, size) => {
-  pen.font = `${size}px "${FONT}"`
+  pen.font = `${size}px "${face.family}"`
   return pen.measureText(words).width
 }
 
@@ -13,9 +28,7 @@ const OF_WORD = LETTER + "À-ÖØ-öø-ɏ"  // beside one of these a letter is p
 const INDEX = "₀-₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ⁰¹²³⁴-⁹⁺⁻′*,"  // beside a name
 // An exponent and a comma between two indices: their size, and how far they are raised, in heights of the text.
 const SMALLER = 0.72, SHIFTS = { raised: 0.38, lowered: -0.12 }
-// A hat over a letter is a letter of its own, as a PDF sets a combining one beside it: its width, how far right of the middle
-// of a slanted letter it begins, and how much a tall one raises it.
-const HAT = { mark: "\u02c6", width: 0.5, aside: -0.23, raised: 0.11 }, TALL = /[A-Zbdfhklt]/
+const HAT = "\u02c6", TALL = /[A-Zbdfhklt]/
 
 // A name is one letter, after Δ or ∂ too, but no part of a word, nor the article “a”, the “s” of “ψ’s” or the unit in “(s)”.
 const NAME = new RegExp(`(?<![${OF_WORD}’'])([${UPRIGHT}]?)((?![AIa] (?!(?:from|to|at|is|and|in|with) )[${LETTER}]{2}|(?<= \\()s\\))[${LETTER}][${ACCENT}]?)(?![${OF_WORD}])`, "g")
@@ -46,8 +59,9 @@ const set = ([words, look], size) => {
   if (look in SHIFTS) return [{ words, size: SMALLER * size, up: SHIFTS[look] * size }]
   const [letter, hat] = [words.replace("\u0302", ""), words.endsWith("\u0302")], style = look
   if (!hat) return [{ words, style }]
-  const aside = HAT.aside * size - width_of(letter, size) / 2, up = TALL.test(letter) ? HAT.raised * size : 0
-  return [{ words: letter, style }, { words: HAT.mark, style, up, aside, back: -aside - HAT.width * size }]
+  const { hat: { width, aside: beside, raised } } = face
+  const aside = beside * size - width_of(letter, size) / 2, up = TALL.test(letter) ? raised * size : 0
+  return [{ words: letter, style }, { words: HAT, style, up, aside, back: -aside - width * size }]
 }
 
 // Set the text of an SVG element in its parts; `size` in pixels.

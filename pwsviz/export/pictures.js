@@ -2,7 +2,7 @@
 // A copy of the figure is laid out anew at the width and the text size asked for (by `picture_layout.js`); it is drawn as
 // vectors.
 
-import { FONT, typeset } from "./picture_letters.js"
+import { choose_typeface, face, typeset } from "./picture_letters.js"
 import { drawn, INK, is_of_drawing, lettered_levels, PAPER, SMALL, TEXT, thinned, wrapped } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
@@ -16,17 +16,18 @@ const EDGE = 0.6  // pixels of white on both sides of a dashed curve, at most
 const BARED = 0.5  // part of what a dashed curve leaves free of the solid one that is white at most: the rest keeps its colour
 
 const THINNED = "Where marks would crowd, some are omitted."
-const FACES = { normal: "DejaVuSans-subset.ttf", italic: "DejaVuSans-Oblique-subset.ttf" }
-const SLANTED = `${FONT} Oblique`
-let loaded = null  // each face of the font in base 64, fetched once
+const loaded = {}  // of each family the upright and the slanted letters in base 64, fetched once
 const load_face = async ([style, file]) => {
   const answer = await fetch(new URL(`vendor/${file}`, HERE))
   if (!answer.ok) throw new Error("its font was not found")
   const bytes = await answer.arrayBuffer()
-  document.fonts.add(await new FontFace(FONT, bytes.slice(0), { style }).load())
+  document.fonts.add(await new FontFace(face.family, bytes.slice(0), { style }).load())
   return [style, btoa(Array.from(new Uint8Array(bytes), byte => String.fromCharCode(byte)).join(""))]
 }
-const load_font = async () => loaded ??= Object.fromEntries(await Promise.all(Object.entries(FACES).map(load_face)))
+const load_font = async () => {
+  const { family, files } = face
+  return loaded[family] ??= Object.fromEntries(await Promise.all(Object.entries(files).map(load_face)))
+}
 
 const node = (name, attributes, words) => {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name)
@@ -81,7 +82,7 @@ const open_surfaces = picture => {
 // One SVG element of the figures, one below the other, with the caption below.
 const composed = async (views, wish) => {
   const faces = Object.entries(await load_font()).map(([style, font]) =>
-    `@font-face { font-family: "${FONT}"; font-style: ${style}; src: url(data:font/ttf;base64,${font}) }`)
+    `@font-face { font-family: "${face.family}"; font-style: ${style}; src: url(data:font/ttf;base64,${font}) }`)
   const width = wish.millimetres / INCH * 72 / wish.points * TEXT
   const { pictures, lines } = await fitted(views, wish, width)
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
@@ -106,7 +107,7 @@ const composed = async (views, wish) => {
   }
   for (const [k, line] of lines.entries()) {
     const y = picture.height + GAP + STEP * (k + 0.8)
-    const text = node("text", { x: GAP, y, fill: ink, "font-family": FONT, "font-size": `${SMALL}px` }, line)
+    const text = node("text", { x: GAP, y, fill: ink, "font-family": face.family, "font-size": `${SMALL}px` }, line)
     typeset(text, SMALL)
     svg.append(text)
   }
@@ -162,8 +163,8 @@ const replace_unknown = (svg, paper) => {
   while (texts.nextNode()) {
     const { currentNode: words } = texts
     if (words.parentNode.closest("text") == null) continue
-    const slanted = words.parentNode.getAttribute("font-family") == SLANTED
-    const font = paper.getFont(slanted ? SLANTED : FONT, "normal").metadata
+    const slanted = words.parentNode.getAttribute("font-family") == face.slanted
+    const font = paper.getFont(slanted ? face.slanted : face.family, "normal").metadata
     words.data = Array.from(words.data, one => {
       if (font.characterToGlyph(one.codePointAt(0)) > 0) return one
       lacks.add(one)
@@ -202,13 +203,13 @@ const WRITERS = {
     paper.setProperties({ title: wish.title, subject: described(wish), creator: "pwsviz" })
     const faces = await load_font()
     for (const [style, font] of Object.entries(faces)) paper.addFileToVFS(`${style}.ttf`, font)
-    for (const style of ["normal", "italic", "bold"]) paper.addFont("normal.ttf", FONT, style)
-    for (const style of ["normal", "bold"]) paper.addFont("italic.ttf", SLANTED, style)  // named after its family in the file
+    for (const style of ["normal", "italic", "bold"]) paper.addFont("normal.ttf", face.family, style)
+    for (const style of ["normal", "bold"]) paper.addFont("italic.ttf", face.slanted, style)  // named after its family in the file
     for (const words of svg.querySelectorAll("tspan[font-style]")) {
       words.removeAttribute("font-style")
-      words.setAttribute("font-family", SLANTED)
+      words.setAttribute("font-family", face.slanted)
     }
-    paper.setFont(FONT)
+    paper.setFont(face.family)
     made.lacks = replace_unknown(svg, paper)
     await paper.svg(svg, { x: 0, y: 0, width: size[0], height: size[1] })
     return new Blob([Uint8Array.from(conforming(paper.output()), byte => byte.charCodeAt(0))], { type: "application/pdf" })
@@ -237,7 +238,8 @@ const checked_width = (words, [least, most]) => {
 
 // Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, captions ("short" and "full", which is always
 // in the metadata of SVG and PDF), shades (the opacity in print of each colour), widths (the least and the greatest in mm), and the choices as they are offered. Returns what is to be said of it; empty if that is nothing.
-export const save = async (ids, chosen) => {
+const made_one = async (ids, chosen) => {
+  choose_typeface(chosen.typeface)
   const views = ids.map(id => Bokeh.index.find_one_by_id(id)).filter(view => view != null)
   if (views.length == 0) throw new Error("the figure is no longer on the page")
   const millimetres = checked_width(chosen.width, chosen.widths)
@@ -256,4 +258,12 @@ export const save = async (ids, chosen) => {
   if (over <= 0) return lacks
   const cause = (1 - made.described) * tall <= tallest ? "caption needs" : "figures need"
   return `${wish.name} is ${tallest + over} mm high: its ${cause} ${over} mm more than the height chosen. ${lacks}`.trim()
+}
+
+// The same one after another: each has a typeface of its own.
+let before = Promise.resolve()
+export const save = (ids, chosen) => {
+  const made = before.then(() => made_one(ids, chosen))
+  before = made.catch(() => {})
+  return made
 }

@@ -28,6 +28,7 @@ CHOICES: Mapping[str, tuple[str, tuple[str, ...], int]] = {
         2,
     ),  # with the caption
     "points": ("Text", ("8 pt", "9 pt", "10 pt", "12 pt"), 1),
+    "typeface": ("Typeface", ("sans serif", "serif"), 0),
     "dpi": ("PNG", ("150 dpi", "300 dpi", "600 dpi"), 1),  # of a screen, and what journals ask of images and of lines
     "look": ("Colours", ("for print", "as on the page"), 0),
     "caption": ("Caption", ("no caption", "short", "full"), 1),
@@ -56,6 +57,8 @@ class PictureFiles:
             "vendor/svg2pdf.umd.min.js",
             "vendor/DejaVuSans-subset.ttf",
             "vendor/DejaVuSans-Oblique-subset.ttf",
+            "vendor/PwsvizSerif-subset.ttf",
+            "vendor/PwsvizSerif-Italic-subset.ttf",
         )
     }
 
