@@ -115,10 +115,11 @@ const named_levels = (axis, { scale }, width) => {
   const high = labels.map(lines => lines.length * line * SMALL), apart = high.slice(1).map((one, k) => (one + high[k]) / 2)
   const places = spread(levels.map(tick => scale.compute(tick)), apart, [end, start].map(one => scale.compute(one)))
   const moved = places.map(place => scale.invert(place))
+  const { AllLabels } = Bokeh.loader["models/policies/labeling"]
   const { FixedTicker } = Bokeh.loader["models/tickers/fixed_ticker"]
   const { BasicTickFormatter } = Bokeh.loader["models/formatters/basic_tick_formatter"]
   return {
-    ticker: new FixedTicker({ ticks: moved }), formatter: new BasicTickFormatter(),
+    ticker: new FixedTicker({ ticks: moved }), formatter: new BasicTickFormatter(), major_label_policy: new AllLabels(),
     major_label_overrides: new Map(moved.map((tick, k) => [tick, labels[k].join("\n")])),
     major_tick_line_color: null, major_tick_out: 0, major_label_standoff: fit ? SPARE / 2 : 1,
   }
@@ -152,20 +153,31 @@ const fitted_axis = (axis, side, seen, width) => {
   return { ...title, major_label_policy: new NoOverlap({ min_distance: SPARE / 2 }) }
 }
 
+// The widths of the entries of a legend.
+const entry_widths = ({ items, glyph_width, label_standoff }) => items.filter(item => item.visible)
+  .flatMap(item => item.get_labels_list_from_label_prop())
+  .map(label => glyph_width + label_standoff + width_of(label, TEXT) + SPARE)
+
+// A legend beside a frame that is narrower than the picture, in one column.
+const column_width = legend => Math.ceil(Math.max(0, ...entry_widths(legend))) + 2 * SPARE
+const legend_beside = legend => ({
+  ncols: 1, spacing: SPARE / 2, location: "top_left", orientation: "vertical", margin: 0, stylesheets: [
+    `svg { width: ${legend.glyph_width}px; height: ${legend.glyph_height}px }
+     :host { width: ${column_width(legend)}px; translate: ${SPARE}px 0 }`],
+})
+
 // A legend in the middle of the picture: in one line, in lines of entries one after another, or in columns where these are fewer.
 const fitted_legend = (legend, seen, width) => {
-  const { items, glyph_width, glyph_height, label_standoff } = legend, room = width - SPARE
-  const labels = items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
-  const widths = labels.map(label => glyph_width + label_standoff + width_of(label, TEXT) + SPARE)
+  const { glyph_width, glyph_height } = legend, room = width - SPARE, widths = entry_widths(legend)
   const fits = count => {  // each column is as wide as its widest entry
     const wide = Array(count).fill(0)
     widths.forEach((one, k) => { wide[k % count] = Math.max(wide[k % count], one) })
     return wide.reduce((sum, one) => sum + one, 0) <= room
   }
-  let ncols = Math.max(1, labels.length)
+  let ncols = Math.max(1, widths.length)
   while (ncols > 1 && !fits(ncols)) ncols -= 1
   const lines = widths.reduce(([count, used], one) => used + one <= room ? [count, used + one] : [count + 1, one], [1, 0])[0]
-  const rows = Math.ceil(labels.length / ncols), flows = rows > 1 && lines <= rows, narrow = 100
+  const rows = Math.ceil(widths.length / ncols), flows = rows > 1 && lines <= rows, narrow = 100
   const shift = (seen.right - seen.left) / 2  // it stands below the frame
   return {
     ncols, spacing: SPARE / 2, stylesheets: [  // it is laid out before its glyphs have a size, and as a narrow one, lest
@@ -178,8 +190,15 @@ const fitted_legend = (legend, seen, width) => {
   }
 }
 
+// The parts around a frame, its legend beside it rather than below.
+const placed_anew = (parts, beside) => {
+  if (!beside) return parts
+  const legends = parts.below.filter(one => kind_of(one) == "legend")
+  return { ...parts, below: parts.below.filter(one => !legends.includes(one)), right: [...parts.right, ...legends] }
+}
+
 // With `seen`, the layout before this one, in pixels: what is left and right of the frame, its height, and its scale.
-const copy_of = async (view, width, printed, { height, inset }, seen) => {
+const copy_of = async (view, width, printed, { height, inset, beside }, seen) => {
   const { model } = view, looks = printed ? PRINTED : {}
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
   const ranges = [range(model.x_range), range(model.y_range)], [left, right] = [seen.left + inset, seen.right + inset]
@@ -205,7 +224,10 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
     const changes = { ...letters_of(kind), ...looks[kind] }
     const own = one.ticker ?? one.axis?.ticker, ticker = tickers.get(own) ?? own
     if (kind == "axis") return copied(one, { ...changes, ticker, ...fitted_axis(one, side, seen, width) })
-    if (kind == "legend") return copied(one, { ...changes, ...fitted_legend(one, seen, width), items: with_keys(one.items, keys) })
+    if (kind == "legend") {
+      const placed = beside ? legend_beside(one) : fitted_legend(one, seen, width)
+      return copied(one, { ...changes, ...placed, items: with_keys(one.items, keys) })
+    }
     if (kind == "bar") return copied(one, changes)
     return copied(one, { ...changes, axis: null, ticker })
   }
@@ -216,8 +238,8 @@ const copy_of = async (view, width, printed, { height, inset }, seen) => {
     frame_width: frame.width, frame_height: frame.height,
     renderers: marked.renderers, x_range: ranges[0], y_range: ranges[1], toolbar_location: null,
     toolbar: new model.toolbar.constructor({ tools: [] }),
-    ...Object.fromEntries(["left", "right", "above", "below", "center"].map(
-      place => [place, model[place].filter(one => !is_of_drawing(one)).map(one => part(one, place))])),
+    ...placed_anew(Object.fromEntries(["left", "right", "above", "below", "center"].map(
+      place => [place, model[place].filter(one => !is_of_drawing(one)).map(one => part(one, place))])), beside),
   })
 }
 
@@ -303,6 +325,15 @@ const equal_scales = ({ frame: { bbox } }, across, most) => {
   return { height, inset: (across - height * bbox.width / bbox.height) / 2 }
 }
 
+const AXES = 64  // pixels that axes take beside and below a frame, about
+
+// Whether the legend of a figure at equal scales has room beside its frame, which is then taller, and so wider.
+const has_room_beside = ({ model, frame: { bbox } }, width, tallest) => {
+  const legend = model.below.find(one => kind_of(one) == "legend")
+  const across = (tallest - AXES) * bbox.width / bbox.height
+  return model.match_aspect && legend != null && width - AXES - across >= column_width(legend)
+}
+
 // Figures for a picture of a given width, together at most so tall where their frames have at least a height then: each as an SVG element with its size
 // and the height of its frame in pixels. Frames have one left edge and one right edge.
 export const drawn = async (views, width, { printed, shades }, tallest, least) => {
@@ -311,7 +342,8 @@ export const drawn = async (views, width, { printed, shades }, tallest, least) =
   const shape_of = (view, k) => {
     const around = seen.reduce((sum, one) => sum + one.around, 0)
     const most = Math.max(LOWEST, Math.max(least, tallest - around) / views.length), across = width - seen[k].left - seen[k].right
-    if (view.model.match_aspect) return equal_scales(view, across, most)
+    const beside = has_room_beside(view, width, tallest)
+    if (view.model.match_aspect) return { ...equal_scales(view, across, most), beside }
     return { height: Math.min(shape * width, most), inset: 0 }
   }
   const copy = (view, k) => copy_of(view, width, printed, shape_of(view, k), seen[k])

@@ -22,6 +22,7 @@ const load_face = async ([style, file]) => {
   if (!answer.ok) throw new Error("its font was not found")
   const bytes = await answer.arrayBuffer()
   document.fonts.add(await new FontFace(face.family, bytes.slice(0), { style }).load())
+  if (style == "italic") document.fonts.add(await new FontFace(face.slanted, bytes.slice(0)).load())  // a PDF is measured by it
   return [style, btoa(Array.from(new Uint8Array(bytes), byte => String.fromCharCode(byte)).join(""))]
 }
 const load_font = async () => {

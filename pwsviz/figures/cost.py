@@ -58,8 +58,8 @@ __all__ = [
 ]
 
 EXTERNAL_LINES = {
-    "scipy": Line(GREY, (6, 3, 1, 3), "y", 1.6),
-    "heyoka": Line(PALE_GREY, (20, 6), "plus", 1.6),
+    "scipy": Line(GREY, (6, 3, 1, 3), "x", 1.6),
+    "heyoka": Line(PALE_GREY, (20, 6), "triangle_pin", 1.6),
 }
 """Looks of external solvers: grey, with dashes and markers that none of our methods has."""
 

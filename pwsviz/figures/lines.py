@@ -49,7 +49,7 @@ LOOKS: dict[str, tuple[Line, ...]] = {
         Line(BROWN, (10, 4, 2, 4, 2, 4), "star", 1.6),
         Line(BERRY, (2, 5), "square_pin", 2.4),
     ),
-    "Projected": (Line(OCHRE, (6, 2), "triangle_pin", 2.4),),
+    "Projected": (Line(OCHRE, (6, 2), "plus", 2.4),),
     "TaylorSeries": (Line(VIOLET, (14, 4, 5, 4), "asterisk", 1.6),),
 }
 """Looks of the integrators of each family, in their order (cyclically); all differ in colour, in dash and in marker.

@@ -274,8 +274,8 @@ class OrderView:
         columns = ("xs", "ys", "colour", "dash", "label", "filling", *MARK_COLUMNS)
         self.curves = ColumnDataSource({name: [] for name in columns})
         lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
-        columns = ("x", "y", "nowhere", "colour", "marker", "label", "filling")
-        self.points = ColumnDataSource({name: [] for name in columns})
+        named = ("x", "y", "nowhere", "colour", "marker", "label", "filling")
+        self.points = ColumnDataSource({name: [] for name in named})
         look: dict[str, Any] = {"marker": "marker", "size": MARK, "line_color": "colour"}
         plot.add_glyph(self.points, Scatter(fill_color=GROUND, **look))  # no line is seen through a mark
         plot.add_glyph(self.points, Scatter(fill_color="colour", fill_alpha="filling", **look))

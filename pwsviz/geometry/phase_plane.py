@@ -322,7 +322,7 @@ class _Grid:
         slopes = np.column_stack([psi(step, 0.0) - psi(-step, 0.0), psi(0.0, step) - psi(0.0, -step)])
         with np.errstate(all="ignore"):
             directions = slopes / np.linalg.norm(slopes, axis=1, keepdims=True)
-            return (directions[1:] * directions[:-1]).sum(axis=1)
+            return np.asarray((directions[1:] * directions[:-1]).sum(axis=1))
 
     def whole(self, mode: int, orbits: tuple[float, ...]) -> list[Columns]:
         """Return level sets, those of the orbits, and arrows, of which a moving surface hides the part beyond it."""

@@ -485,8 +485,8 @@ EDGES = """markup => {
 @pytest.mark.parametrize(
     ("query", "bordered"), [("view=conserved", 3), ("view=state", 6), ("view=stability&stability_part=drift", 0)]
 )
-def test_in_print_each_dashed_curve_has_markers_of_its_own_in_the_picture_and_in_the_legend(visit, query, bordered):
-    """So that curves can be named without colours, and where one lies on another: squares, triangles and hexagons."""
+def test_in_print_each_curve_has_the_markers_of_its_integrator_and_so_has_the_legend(visit, query, bordered):
+    """So that curves can be named without colours, and where one lies on another: circles, squares, other shapes."""
     page = visit(query=f"v=2&methods=dmm2,rk2,rk4,dmm4&starts=-1,-1;-1.5,0.3;-0.5,-0.5&{query}")
     await_that(page, PORTRAIT)
     page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
@@ -502,8 +502,8 @@ def test_in_print_each_dashed_curve_has_markers_of_its_own_in_the_picture_and_in
         assert all(width < solid for width, solid in edges), "no white edge hides the curve below"
         keys, marks = ([one for one in found if one["key"] is wanted] for wanted in (True, False))
         shapes = {one["corners"] for one in keys}
-        assert shapes == {3, 5, 6}, "a square ends at the corner where it began"
-        assert len({one["colour"] for one in keys}) == len(keys) == 3, "dmm2, which is solid, has none"
+        assert shapes == {1, 3, 5, 6}, "a square ends at the corner where it began"
+        assert len({one["colour"] for one in keys}) == len(keys) == 4
         for key in keys:
             of_curve = [one for one in marks if one["colour"] == key["colour"]]
             assert {one["corners"] for one in of_curve} == {key["corners"]}

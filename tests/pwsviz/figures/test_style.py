@@ -28,7 +28,7 @@ SIGHT = {
 PAGES = {"#ffffff": False, "#121212": True}
 """Colours of the page, and whether that is dark."""
 
-OPEN = {"asterisk", "cross", "dash", "dot", "plus", "x", "y"}
+OPEN = {"asterisk", "cross", "dash", "dot", "x", "y"}
 """Markers of Bokeh without an area."""
 
 TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])

@@ -1,0 +1,84 @@
+"""The look of pictures for print: of integrators, of letters, and of what stands around a portrait."""
+
+import re
+
+import pytest
+
+from tests.browser.test_export import MARKERS, TEXTS, downloaded, opened_for_a_column
+from tests.browser.test_portrait import PORTRAIT, await_still, await_that
+
+pytestmark = [pytest.mark.browser, pytest.mark.deep]
+
+BOXES = """markup => {
+    const svg = new DOMParser().parseFromString(markup, "image/svg+xml").documentElement
+    const host = document.createElement("div")
+    host.append(svg)
+    document.body.append(host)
+    const page = svg.getBoundingClientRect()
+    const box = one => {
+        const { left, right, top, bottom } = one.getBoundingClientRect()
+        return {left: left - page.left, right: right - page.left, top: top - page.top, bottom: bottom - page.top}
+    }
+    const ground = [...svg.querySelectorAll("clipPath path")].map(one => one.getBBox()).find(one => one.x > 0)
+    const scale = page.width / svg.viewBox.baseVal.width
+    const frame = {left: ground.x * scale, right: (ground.x + ground.width) * scale,
+                   top: ground.y * scale, bottom: (ground.y + ground.height) * scale}
+    const entry = /^(dmm2|rk2|start|crossing|S: |S |g < 0|ψ = |f)/, texts = [...svg.querySelectorAll("text")]
+    const beside = texts.filter(one => one.closest("[clip-path]") == null)
+    const legend = beside.filter(one => entry.test(one.textContent)).map(box)
+    host.remove()
+    return {frame, legend, width: page.width}
+}"""
+"""Where the frame and the entries of the legend of a picture are, in pixels from its left and upper edges."""
+
+
+def test_a_curve_alone_has_in_print_the_dash_and_the_markers_that_it_has_beside_others(visit):
+    looks = []
+    for methods in ("rk2", "dmm2,rk2"):
+        page = visit(query=f"v=2&methods={methods}&view=conserved")
+        await_that(page, PORTRAIT)
+        await_still(page)
+        page.get_by_role("button", name=re.compile("Export")).click()
+        files = page.get_by_role("button", name="SVG")
+        files.nth(1).wait_for()
+        for k in range(2):
+            markup = downloaded(page, files.nth(k)).decode()
+            colour = "rgb(162,52,0)"  # of rk2
+            dashes = re.findall(rf'<path[^>]*stroke="{re.escape(colour)}"[^>]*stroke-dasharray="([^"]*)"', markup)
+            marks = [one for one in page.evaluate(MARKERS, markup) if one["colour"] == colour]
+            looks.append((set(dashes), {one["corners"] for one in marks}, {one["key"] for one in marks}))
+    assert all(look == looks[0] for look in looks), "in every figure"
+    assert looks[0][1:] == ({5}, {True, False})
+    assert len(looks[0][0]) == 1
+
+
+def test_a_picture_in_a_serif_typeface_names_and_holds_its_fonts(visit):
+    page = opened_for_a_column(visit)
+    for typeface, fonts in (
+        ("serif", {"Pwsviz Serif", "Pwsviz Serif Italic"}),
+        ("sans serif", {"DejaVu Sans", "DejaVu Sans Oblique"}),
+    ):
+        page.get_by_role("button", name=typeface, exact=True).click()
+        svg = downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode()
+        assert page.evaluate(TEXTS, svg)["fonts"] == [min(fonts, key=len)]
+        assert svg.count("@font-face") == svg.count("data:font/ttf;base64,") == 2
+        pdf = downloaded(page, page.get_by_role("button", name="PDF").nth(1))
+        names = set(re.findall(rb"/BaseFont */(\S+)", pdf))
+        assert {name.decode().replace("#20", " ") for name in names} == fonts
+        assert pdf.count(b"/FontFile2") >= 2
+    assert page.get_by_text("in place of").count() == 0, "the fonts have all characters"
+
+
+def test_a_portrait_in_a_wide_picture_has_its_legend_beside_it_and_the_height_for_itself(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_role("button", name="175 mm").click()
+    svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
+    boxes = page.evaluate(BOXES, svg)
+    frame = boxes["frame"]
+    assert len(boxes["legend"]) > 5
+    assert all(one["left"] > frame["right"] and one["bottom"] < frame["bottom"] for one in boxes["legend"])
+    assert frame["right"] - frame["left"] > 0.68 * boxes["width"]
+    assert max(one["right"] for one in boxes["legend"]) < boxes["width"]
