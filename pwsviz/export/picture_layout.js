@@ -328,9 +328,9 @@ const equal_scales = ({ frame: { bbox } }, across, most) => {
 const AXES = 64  // pixels that axes take beside and below a frame, about
 
 // Whether the legend of a figure at equal scales has room beside its frame, which is then taller, and so wider.
-const has_room_beside = ({ model, frame: { bbox } }, width, tallest) => {
+const has_room_beside = ({ model, frame: { bbox } }, width, tallest, least) => {
   const legend = model.below.find(one => kind_of(one) == "legend")
-  const across = (tallest - AXES) * bbox.width / bbox.height
+  const across = Math.max(least, tallest - AXES) * bbox.width / bbox.height
   return model.match_aspect && legend != null && width - AXES - across >= column_width(legend)
 }
 
@@ -342,7 +342,7 @@ export const drawn = async (views, width, { printed, shades }, tallest, least) =
   const shape_of = (view, k) => {
     const around = seen.reduce((sum, one) => sum + one.around, 0)
     const most = Math.max(LOWEST, Math.max(least, tallest - around) / views.length), across = width - seen[k].left - seen[k].right
-    const beside = has_room_beside(view, width, tallest)
+    const beside = has_room_beside(view, width, tallest, least)
     if (view.model.match_aspect) return { ...equal_scales(view, across, most), beside }
     return { height: Math.min(shape * width, most), inset: 0 }
   }
