@@ -23,8 +23,8 @@ BOXES = """markup => {
     const scale = page.width / svg.viewBox.baseVal.width
     const frame = {left: ground.x * scale, right: (ground.x + ground.width) * scale,
                    top: ground.y * scale, bottom: (ground.y + ground.height) * scale}
-    const entry = /^(dmm2|rk2|start|crossing|S: g = 0|S attracts|g < 0|ψ = const[.]|f.*f.)$/, texts = [...svg.querySelectorAll("text")]
-    const beside = texts.filter(one => one.closest("[clip-path]") == null)
+    const entry = /^(dmm2|rk2|start|crossing|S: g = 0|S attracts|g < 0|ψ = const[.]|f.*f.)$/
+    const beside = [...svg.querySelectorAll("text")].filter(one => one.closest("[clip-path]") == null)
     const legend = beside.filter(one => entry.test(one.textContent)).map(box)
     host.remove()
     return {frame, legend, width: page.width}
