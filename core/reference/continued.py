@@ -64,6 +64,10 @@ class ContinuedSolution:
         """Side entered at crossing k; 0 where sliding begins. Of several surfaces the number of the mode."""
         return self._ask(lambda solution: solution.entered(k))
 
+    def count(self, t: float) -> int:
+        """Number of crossings up to time t."""
+        return self._ask(lambda solution: solution.count(t))
+
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t."""
         return self._ask(lambda solution: solution.state(t))

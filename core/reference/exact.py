@@ -192,6 +192,10 @@ class ExactSolution:
         """Side entered at crossing k, −1 or +1; 0 where sliding begins. Of several surfaces the number of the mode."""
         return int(self._agreed(lambda solution: (solution.entered(k),))[0])
 
+    def count(self, t: float) -> int:
+        """Number of crossings up to time t ≥ t0; ValueError past the end of the solution."""
+        return int(self._agreed(lambda solution: (solution.count(t),))[0])
+
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
         return as_doubles(self._agreed(lambda solution: (solution.state_in_digits(t),))[0])

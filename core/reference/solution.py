@@ -129,6 +129,9 @@ class Solution(Protocol):
     def entered(self, k: int) -> int:
         """Side entered at crossing k, −1 or +1; 0 where sliding begins. Of several surfaces the number of the mode."""
 
+    def count(self, t: float) -> int:
+        """Number of crossings up to time t; ValueError past the end of the solution."""
+
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t."""
 
@@ -188,6 +191,11 @@ class ReferenceSolution:
         Of several surfaces the number of the mode.
         """
         return self._rules.label(self._arc(t).mode)
+
+    def count(self, t: float) -> int:
+        """Number of crossings up to time t ≥ t0, later ones not searched; ValueError past the end of the solution."""
+        self._arc(t)
+        return bisect_right(self._times, t) - 1
 
     def crossing_in_digits(self, k: int) -> tuple[Time, State, State]:
         """Time of crossing k, and the states (d,) before and after its jump, unrounded."""

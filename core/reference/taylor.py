@@ -101,6 +101,11 @@ class TaylorSolution:
         self.crossing(k)
         return self._system.laws.label(int(self._fine.crossings(k).mode[k - 1]))
 
+    def count(self, t: float) -> int:
+        """Number of crossings up to time t ≥ t0; ValueError past the end of the solution."""
+        self.state(t)
+        return int(np.searchsorted(self._fine.crossings(0).t, t, side="right"))
+
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
         if not self._t0 <= t < np.inf:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -15,7 +16,7 @@ from core.reference import Solution
 from core.studies.sequence import CrossingSequence
 from core.system import PiecewiseSystem
 
-__all__ = ["Target", "target_of"]
+__all__ = ["Target", "crossing_times", "target_of"]
 
 #: Number of crossings to the default end time.
 _CROSSINGS = 10
@@ -57,7 +58,7 @@ def target_of(
     t0, end = span
     if end is None:
         end = _default_end(exact, t0)
-    times = _crossing_times(exact, end)
+    times = crossing_times(exact, end)
     lost = exact.error  # of its crossings alone: at the end a jump may be at hand
     try:
         x = exact.state(end)
@@ -95,13 +96,19 @@ def _largest_psi_size(system: PiecewiseSystem, exact: Solution, times: tuple[flo
 
 def _default_end(exact: Solution, t0: float) -> float:
     """Default end time: after ten crossings, or as many as there are, halfway between two of them."""
-    times = [t0, *_crossing_times(exact, math.inf, _CROSSINGS + 1)]
+    times = [t0, *crossing_times(exact, math.inf, _CROSSINGS + 1)]
     return (times[-2] + times[-1]) / 2 if len(times) > 1 else t0 + _LENGTH
 
 
-def _crossing_times(exact: Solution, end: float, most: float = math.inf) -> list[float]:
-    """Times of the crossings up to `end`; ValueError is how a solution says that it has no more."""
+def crossing_times(exact: Solution, end: float, most: float = math.inf) -> list[float]:
+    """Times of the crossings up to `end`; ValueError is how a solution says that it has no more.
+
+    How many there are is asked first, as the search for one more may go on for long where a solution comes to rest.
+    """
     times: list[float] = []
+    if end < math.inf:
+        with suppress(ValueError):  # it ends before: then the last one is soon found
+            most = min(most, exact.count(end))
     while len(times) < most:
         try:
             t, _ = exact.crossing(len(times) + 1)

@@ -15,6 +15,7 @@ from core.kernels.arrays import Floats
 from core.reference import Solution, reference_solution
 from core.studies.stability.plan import Plan
 from core.studies.stability.verdict import ENDINGS, reference_run, start_at
+from core.studies.target import crossing_times
 from core.system import PiecewiseSystem
 
 __all__ = ["Tangency", "exact_times", "find_tangency"]
@@ -232,12 +233,8 @@ def exact_times(
     plan: Plan, x0: tuple[float, ...], until: float, cancel: Cancel | None
 ) -> tuple[NDArray[np.float64], Solution | None]:
     """Times of the crossings of the reference solution up to `until`, or to its end, and the solution."""
-    times: list[float] = []
-    solution = None
     try:
         solution = reference_solution(plan.system, x0, plan.t_span[0], sliding=plan.sliding, cancel=cancel)
-        while not times or times[-1] <= until:
-            times.append(solution.crossing(len(times) + 1)[0])
-    except ValueError:  # no further crossing, or no start
-        return np.array(times), solution
-    return np.array(times[:-1]), solution
+    except ValueError:  # no start
+        return np.array([]), None
+    return np.array(crossing_times(solution, until)), solution
