@@ -59,11 +59,11 @@ export const with_curves_cut = (renderers, [across, up], { width, height }) => {
   })
 }
 
-// The renderers of a plot, those of curves whose turns are close in copies that are thinner, as the picture is smaller than the
-// page: a part of its width.
+// The renderers of a plot, those of curves whose turns are so close that they are not dashed in copies that are thinner, as the
+// picture is smaller than the page: a part of its width.
 export const with_turns_apart = (renderers, part) => renderers.map(renderer => {
-  const { data_source } = renderer, { close, width, ...others } = data_source?.data ?? {}
-  if (part >= 1 || close == null) return renderer
-  const thinner = Array.from(width, (one, k) => close[k] ? part * one : one)
-  return copied(renderer, { data_source: copied(data_source, { data: { ...others, close, width: thinner } }) })
+  const { data_source } = renderer, { stroke, dash, width, ...others } = data_source?.data ?? {}
+  if (part >= 1 || stroke == null || width == null) return renderer  // those of a legend have no width of their own
+  const thinner = Array.from(width, (one, k) => stroke[k].length < dash[k].length ? part * one : one)
+  return copied(renderer, { data_source: copied(data_source, { data: { ...others, stroke, dash, width: thinner } }) })
 })

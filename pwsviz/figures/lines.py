@@ -2,7 +2,7 @@
 
 An integrator has one colour, one dash and one marker in every figure, legend and picture, whatever else is drawn. What
 tells its curves apart is never one of these: of several starts it is the width, of several crossings how full the marks
-are.
+are. Where the turns of a curve in a portrait are close, dashes would look like bricks: there it is solid.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ TOUCH = 0.45
 """Width of the widest curve, relative to the distance between its turns, from which on all curves are thinner."""
 
 WOUND = 5.0
-"""Pixels between the turns of a curve below which it is thinner in a picture, where they are closer."""
+"""Pixels between the turns of a curve below which it is solid: dashes side by side look like bricks, not like turns."""
 
 ALONGSIDE_SIZE = 11
 """Size in pixels of a disc at a start alongside."""
@@ -57,21 +57,22 @@ def thin_shares(pictures: Pictures) -> list[float]:
 
 
 def fitted(orbits: Sequence[Orbit], view: Window | None, shares: Sequence[float] = ()) -> dict[str, list[Any]]:
-    """Return what the view asks of each curve: its width, less than its share where turns would touch.
+    """Return what the view asks of each curve: its width, less than its share where turns would touch; and its stroke.
 
-    The column ``close`` tells where turns are close to one another.
+    The stroke is the dash of the integrator, or none where turns are close to one another.
     """
     lines = together(line_of(orbit.method) for orbit in orbits)
     usual = [
         max(THINNEST, share * line.width) for share, line in zip(shares or [1.0] * len(orbits), lines, strict=True)
     ]
+    dashes = [list(line.dash) for line in lines]
     if view is None:
-        return {"width": usual, "close": [False] * len(orbits)}
+        return {"width": usual, "stroke": dashes}
     apart = [spacing(orbit.path, view) for orbit in orbits]
     fits = [min(1.0, TOUCH * pixels / WIDEST) for pixels in apart]
     return {
         "width": [max(min(THINNEST, width), fit * width) for width, fit in zip(usual, fits, strict=True)],
-        "close": [bool(pixels < WOUND) for pixels in apart],
+        "stroke": [dash if pixels >= WOUND else [] for dash, pixels in zip(dashes, apart, strict=True)],
     }
 
 

@@ -169,13 +169,12 @@ class PortraitView:
 
     def _orbit_glyphs(self) -> None:
         plot = self.figure
-        columns = ("xs", "ys", *LOOK_COLUMNS, "width", "close")
-        looks: dict[str, Any] = {"line_color": "colour", "line_dash": "dash", "line_width": "width"}
-        looks["line_join"] = "round"
+        columns = ("xs", "ys", *LOOK_COLUMNS, "width", "stroke")
+        looks: dict[str, Any] = {"line_color": "colour", "line_width": "width", "line_join": "round"}
         self.others = ColumnDataSource({name: [] for name in columns})
-        self.beside = plot.add_glyph(self.others, MultiLine(line_alpha=OTHERS_ALPHA, **looks))
+        self.beside = plot.add_glyph(self.others, MultiLine(line_alpha=OTHERS_ALPHA, line_dash="stroke", **looks))
         self.orbits = ColumnDataSource({name: [] for name in columns})
-        self.curves = plot.add_glyph(self.orbits, MultiLine(**looks))
+        self.curves = plot.add_glyph(self.orbits, MultiLine(line_dash="stroke", **looks))
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
         plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="colour", line_color="white"))
         a_dot = Scatter(size=STEP_SIZE, fill_color=GREY, line_color="white")
@@ -184,7 +183,8 @@ class PortraitView:
         self.jumps = ColumnDataSource({"x": [], "y": []})
         self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=AMBER, line_dash=[8, 3, 2, 3], line_width=1.5))
         self.trails = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "width", "alpha")})
-        plot.add_glyph(self.trails, MultiLine(line_alpha="alpha", **looks))  # under all marks and numbers
+        looks |= {"line_alpha": "alpha", "line_dash": "dash"}
+        plot.add_glyph(self.trails, MultiLine(**looks))  # under all marks and numbers
 
     def _crossing_glyphs(self) -> None:
         plot = self.figure
@@ -321,7 +321,7 @@ class PortraitView:
         self._name(system, pictures.plane)
         view = self._visible or self.frame
         self.orbits.data = curve_columns(pictures.orbits, view)
-        show_methods(self.methods, self.orbits.data["method"])
+        self._show_methods()
         assign(self.others, **curve_columns(pictures.thin, view, thin_shares(pictures)))
         marked = crossing_columns(pictures.numbered, pictures.inputs.index + 1)
         self.marks.name(marked)
@@ -393,13 +393,19 @@ class PortraitView:
             self.starts.data = {**self.starts.data, "number": numbers, "crowd": crowds}
 
     def _fit_curves(self, pictures: Pictures) -> None:
-        """Give the curves the widths that suit the view, without sending the curves."""
+        """Give the curves the widths and strokes that suit the view, without sending the curves."""
         view = self._visible or self.frame
         thin = thin_shares(pictures)
         for source, orbits, shares in ((self.orbits, pictures.orbits, []), (self.others, pictures.thin, thin)):
             for name, column in fitted(orbits, view, shares).items():
                 if len(column) == len(source.data[name]) and column != list(source.data[name]):
                     source.patch({name: list(enumerate(column))})
+        self._show_methods()
+
+    def _show_methods(self) -> None:
+        """Name the integrators in the legend, each with the stroke of its curve."""
+        methods = self.orbits.data["method"]
+        show_methods(self.methods, methods, dict(zip(methods, map(list, self.orbits.data["stroke"]), strict=True)))
 
     def _name(self, system: core.PiecewiseSystem, plane: Plane) -> None:
         """Label the axes, and show only what is drawn in the legend; each change rebuilds parts of the figure."""

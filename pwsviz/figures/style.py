@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -269,17 +269,18 @@ def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
 
 def legend_lines(plot: figure) -> tuple[ColumnDataSource, Any]:
     """Return a source of methods, whose looks `show_methods` sets, and what a legend draws of them: no curve."""
-    source = ColumnDataSource({name: [] for name in ("xs", "ys", *LOOK_COLUMNS)})
-    look: dict[str, Any] = {"line_color": "colour", "line_dash": "dash", "line_width": LEGEND_WIDTH}
+    source = ColumnDataSource({name: [] for name in ("xs", "ys", *LOOK_COLUMNS, "stroke")})
+    look: dict[str, Any] = {"line_color": "colour", "line_dash": "stroke", "line_width": LEGEND_WIDTH}
     return source, plot.add_glyph(source, MultiLine(**look))
 
 
-def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
-    """Name these integrators in a legend made of `legend_lines`."""
+def show_methods(source: ColumnDataSource, methods: Iterable[str], strokes: Mapping[str, Any] | None = None) -> None:
+    """Name these integrators in a legend made of `legend_lines`; `strokes` are those of curves without their dashes."""
     names = list(dict.fromkeys(methods))
-    if names != list(source.data["method"]):
-        nowhere = [[np.nan]] * len(names)
-        source.data = {"xs": nowhere, "ys": nowhere, **look_columns(names)}
+    looks, nowhere = look_columns(names), [[np.nan]] * len(names)
+    stroke = [(strokes or {}).get(name, dash) for name, dash in zip(names, looks["dash"], strict=True)]
+    if names != source.data["method"] or stroke != source.data["stroke"]:
+        source.data = {"xs": nowhere, "ys": nowhere, **looks, "stroke": stroke}
 
 
 def unseen(columns: Iterable[str]) -> ColumnDataSource:

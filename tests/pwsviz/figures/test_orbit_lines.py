@@ -45,17 +45,16 @@ def test_a_dense_spiral_is_thin_and_wider_where_it_is_zoomed_apart():
     assert all(one is other for one, other in zip(view.orbits.data["xs"], paths, strict=True)), "no curve is sent anew"
 
 
-def test_a_curve_has_its_dashes_where_its_turns_are_close_too_and_pictures_are_told_where_that_is():
+def test_the_dashes_of_a_curve_are_drawn_where_its_turns_lie_apart_alone():
     scene, pictures = drawn("v=2&system=elliptic_curve&tau=0.08&t_end=19.2&methods=dmm2,rk2")
     view = PortraitView(*[print] * 5)
     view.look_at(extent(pictures))
     view.show_orbits(scene.declaration, pictures, [(-1.0, -1.0)], 0)
     dashes = [list(line_of(orbit.method).dash) for orbit in pictures.orbits]
-    for close in ([False, True], [False, False]):
-        assert list(view.orbits.data["close"]) == close
-        assert [list(one) for one in view.orbits.data["dash"]] == dashes
-        assert view.curves.glyph.line_dash == "dash"
-        view.look_at(extent(pictures).scaled(0.02))
+    assert [list(one) for one in view.orbits.data["stroke"]] == [[], []] != dashes
+    view.look_at(extent(pictures).scaled(0.02))
+    assert [list(one) for one in view.orbits.data["stroke"]] == dashes
+    assert [list(one) for one in view.orbits.data["dash"]] == dashes, "by which pictures know the integrator"
 
 
 def test_each_body_is_named_at_its_start_on_a_side_that_curves_leave_free():
