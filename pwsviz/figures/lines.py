@@ -1,8 +1,9 @@
 """The looks of integrators: their colours, dashes, markers and widths, legible without telling colours apart.
 
-An integrator has one colour, one dash and one marker in every figure, legend and picture, whatever else is drawn. What
-tells its curves apart is never one of these: of several starts it is the width, of several crossings how full the marks
-are. Where the turns of a curve in a portrait are close, dashes would look like bricks: there it is solid.
+An integrator has one colour, one marker and one dash in every figure, legend and picture. What tells its curves apart
+is never one of these: of several starts it is the width, of several crossings how full the marks are. Dashes are left
+out where they tell nothing: of the curves over time, or in the plane, of one integrator alone, and where the turns of a
+curve are so close that they would look like bricks.
 """
 
 from __future__ import annotations
@@ -83,12 +84,13 @@ def line_of(method: str) -> Line:
 def together(lines: Iterable[Line]) -> list[Line]:
     """Return the looks of curves that are drawn together, each over those before it.
 
-    Each look is narrower than those before it, which are so seen beside it where the curves coincide.
+    Alike ones are solid, for there is none to tell apart. Else each look is narrower than those before it, which are so
+    seen beside it where the curves coincide.
     """
     found = list(lines)
     looks = list(dict.fromkeys(found))
     if len(looks) == 1:
-        return found
+        return [line._replace(dash=()) for line in found]
     widths = dict(zip(looks, np.linspace(WIDEST, NARROWEST, len(looks)).tolist(), strict=True))
     return [line._replace(width=widths[line]) for line in found]
 

@@ -32,7 +32,7 @@ BOXES = """markup => {
 """Where the frame and the entries of the legend of a picture are, in pixels from its left and upper edges."""
 
 
-def test_a_curve_alone_has_in_print_the_dash_and_the_markers_that_it_has_beside_others(visit):
+def test_a_curve_has_in_print_the_same_markers_in_every_figure_and_its_dash_beside_others(visit):
     looks = []
     for methods in ("rk2", "dmm2,rk2"):
         page = visit(query=f"v=2&methods={methods}&view=conserved")
@@ -47,9 +47,11 @@ def test_a_curve_alone_has_in_print_the_dash_and_the_markers_that_it_has_beside_
             dashes = re.findall(rf'<path[^>]*stroke="{re.escape(colour)}"[^>]*stroke-dasharray="([^"]*)"', markup)
             marks = [one for one in page.evaluate(MARKERS, markup) if one["colour"] == colour]
             looks.append((set(dashes), {one["corners"] for one in marks}, {one["key"] for one in marks}))
-    assert all(look == looks[0] for look in looks), "in every figure"
-    assert looks[0][1:] == ({5}, {True, False})
-    assert len(looks[0][0]) == 1
+    assert all(look[1:] == ({5}, {True, False}) for look in looks), "in every figure"
+    alone, beside = looks[:2], looks[2:]
+    assert all(dashes <= {"none", ""} for dashes, *_ in alone)
+    assert beside[0][0] == beside[1][0]
+    assert len(beside[0][0]) == 1
 
 
 def test_a_picture_in_a_serif_typeface_names_and_holds_its_fonts(visit):
