@@ -103,19 +103,19 @@ class OrderTab(LongTab):
         return " ".join(filter(None, [slopes_text(shown), *self._left_out(outcome)]))
 
     def remark(self, outcome: Studies) -> str:
-        """Return whether crossing times are perturbed, until when runs go, and what could not be fitted."""
+        """Return whether crossing times are perturbed, that runs have ends of their own, and what was not fitted."""
         scene, moved = self.scene, ""
         if scene.locate and scene.perturbation_order is not None:
             moved = (
                 f"Crossing times are perturbed by {perturbation(scene.perturbation_order, scene.perturbation_scale)}."
             )
-        times = self._times(outcome)
-        times += " The end time has no effect here." * bool(times)
-        return " ".join(filter(None, (moved, times, self._made(outcome) * self._is_unusual(outcome))))
+        free = "The end time has no effect here." * bool(self._times(outcome))
+        return " ".join(filter(None, (moved, free, self._made(outcome) * self._is_unusual(outcome))))
 
     def details(self, outcome: Studies) -> str:
-        """Return with what is compared and what is fitted, if all could be."""
-        return self._made(outcome) * (not self._is_unusual(outcome))
+        """Return what is compared, with what and when, and what is fitted, if all could be."""
+        made = self._made(outcome) * (not self._is_unusual(outcome))
+        return f"{self._times(outcome)} {made}".strip()
 
     def _made(self, outcome: Studies) -> str:
         return study_text(studied(outcome, self._rows), self._is_early(outcome))

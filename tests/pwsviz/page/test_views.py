@@ -119,10 +119,10 @@ def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
     explorer.scene.load({"system": "stick_slip", "methods": ["rk2"], "view": "order"})
     assert explorer.settle(60)
     last = explorer.view.outcome[0].times[-1]
-    told = explorer.view.words.object
+    told = explorer.view.about.markup
     assert last > explorer.scene.t_end
     assert f" and {last:.4g}, halfway from crossings 10, 20 and 30 to the next (“after”)" in told
-    assert "The end time has no effect here." in told
+    assert "The end time has no effect here." in explorer.view.words.object
     assert "page" not in explorer.view.how(explorer.view.outcome)
     assert "the beginning and the end of sliding count as crossings" in told
     assert "Euclidean norm" in explorer.view.how(explorer.view.outcome)
