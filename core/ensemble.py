@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.integrate import checked_method, checked_settings, checked_span, checked_start, run_warning
+from core.integrate import checked_method, checked_region, checked_settings, checked_span, checked_start, run_warning
 from core.integration.crossings import Integers
 from core.integration.events import Event, Watched, checked_events
 from core.integration.finished import trajectory_of
@@ -141,6 +141,7 @@ def ensemble(
     sliding: str = "stop",
     events: str | Event | Sequence[str | Event] = (),
     max_events: int | None = None,
+    region: str | None = None,
     executor: Executor | None = None,
     cancel: Cancel | None = None,
     progress: Callable[[float], object] | None = None,
@@ -153,7 +154,7 @@ def ensemble(
     Parameters
     ----------
     system, t_span, method, tolerance, transition, perturbation_order, perturbation_scale, max_steps, sliding,
-    events
+    events, region
         As of `integrate`.
     x0
         (n, d) initial states, or (d,) for all; the system's own where not given.
@@ -203,7 +204,7 @@ def ensemble(
         return checked_settings(
             chosen, step, tolerance, transition, perturbation_order, perturbation_scale,
             _UNBOUNDED if max_crossings is None else max_crossings, max_steps, None, sliding, watched,
-            _UNBOUNDED if max_events is None else max_events,
+            _UNBOUNDED if max_events is None else max_events, checked_region(system, region),
         )  # fmt: skip
 
     each = None if tau is None or np.ndim(tau) == 0 else [settings_with(step) for step in _step_sizes(tau)]
@@ -251,7 +252,7 @@ def checked_members(
     members = Members.of(system, method, settings, each or (), t_span, x, p, wanted, GivenUp())
     for k in np.flatnonzero(~members.places.plain).tolist():  # the doubtful ones are checked as `integrate` does
         try:
-            checked_start(members.one(k), t_span[0], tuple(x[k].tolist()))
+            checked_start(members.one(k), t_span[0], tuple(x[k].tolist()), system.laws.named_region(settings.region))
         except ValueError as reason:
             raise ValueError(f"member {k}: {reason}") from None
     return members

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core.codegen.rounding import with_roundings
 from core.integration.events import NOTHING, Event, Watched, checked_events
 from core.integration.finished import trajectory_of
 from core.integration.recording import Sampler
@@ -25,10 +26,14 @@ from core.methods import METHODS, Method, method_named
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
+from core.transition.records import NO_MODE
 
-__all__ = ["checked_method", "checked_settings", "checked_span", "checked_start", "integrate", "run_warning"]
+__all__ = [
+    "checked_method", "checked_region", "checked_settings", "checked_span", "checked_start", "integrate", "run_warning",
+]  # fmt: skip
 
 _TRANSITIONS = ("mannshardt", "none")
+_EPS = 2.0**-52
 _RECORDS = ("steps", "crossings", "end")
 #: Advice on a start that is refused.
 _OTHER = "choose another state"
@@ -69,6 +74,7 @@ def integrate(
     sliding: str = "stop",
     events: str | Event | Sequence[str | Event] = (),
     max_events: int | None = None,
+    region: str | None = None,
 ) -> Trajectory:
     """Integrate a piecewise system across its switching surface.
 
@@ -127,6 +133,9 @@ def integrate(
         same: next to a moved crossing one may be missing, or stand twice.
     max_events
         Number of events after which the run stops; 10⁶ where not given.
+    region
+        Name of the region in which the run begins, where regions have names and more than one contains x0, as with
+        hysteresis; the first of them where not given.
 
     Returns
     -------
@@ -144,7 +153,7 @@ def integrate(
     chosen = checked_method(system, method)
     choice(record, "record", _RECORDS)
     t0, t1 = checked_span(t_span)
-    start = checked_start(system, t0, x0)
+    start = checked_start(system, t0, x0, region)
     times = None if t_eval is None else _checked_times(t_eval, t0, t1)
     if max_steps is None and record == "steps" and times is None:
         max_steps = _MAX_ROWS
@@ -152,7 +161,7 @@ def integrate(
         max_crossings = _MAX_COUNTED
     settings = checked_settings(
         chosen, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel,
-        sliding, checked_events(system, events), max_events,
+        sliding, checked_events(system, events), max_events, checked_region(system, region),
     )  # fmt: skip
     columns = 0 if envelope is None else count(envelope, "envelope")
     runner = Runner(system, chosen, t0, start, settings, columns)
@@ -203,9 +212,11 @@ def checked_method(system: PiecewiseSystem, name: str | Method) -> Method:
     return method
 
 
-def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple[float, ...]:
-    """Return the initial state; ValueError if no run can start there."""
+def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None, region: str | None = None) -> tuple[float, ...]:
+    """Return the initial state; ValueError if no run can start there, or not in the region of that name."""
     start, laws = system.x0 if x0 is None else system.check_state(x0), system.laws
+    if region is not None:
+        _check_inside(system, checked_region(system, region), t0, start)
     values = laws.numbers("start", laws.at_start, t0, start, system.parameter_array)
     heights = values[: len(laws.surfaces)]
     if math.isfinite(sum(values)) and 0.0 not in heights and (laws.two_sided or _regions_at(laws, heights)):
@@ -246,6 +257,7 @@ def checked_settings(
     sliding: str = "stop",
     events: Watched = NOTHING,
     max_events: int | None = None,
+    region: int = NO_MODE,
 ) -> Settings:
     """Return the settings of a run; ValueError if they make no sense."""
     given = (
@@ -256,7 +268,31 @@ def checked_settings(
         settings = _known_settings(*given)
     except TypeError:  # of a type that cannot be looked up
         settings = _settings(*given)
-    return settings if cancel is None else replace(settings, cancel=cancel)
+    return settings if cancel is None and region == NO_MODE else replace(settings, cancel=cancel, region=region)
+
+
+def _check_inside(system: PiecewiseSystem, region: int, t0: float, start: tuple[float, ...]) -> None:
+    """Refuse a state that is outside a region, given by its number, by more than rounding."""
+    heights = system.laws.mode(region).heights
+    found = system.laws.evaluate(("within", region), with_roundings(heights), t0, [start], system.parameter_array)[0]
+    for guard, height, rounding in zip(heights, *np.split(found, 2), strict=True):
+        if height < -_EPS * rounding:
+            name = system.laws.regions[region].name
+            raise ValueError(
+                f"x0 = {start!r} is outside the region {name!r}, which ends where {guard} = 0: it is {height:.6g} there"
+            )
+
+
+def checked_region(system: PiecewiseSystem, name: str | None) -> int:
+    """Return the number of the region of that name; NO_MODE without one, ValueError if no run can begin there."""
+    if name is None:
+        return NO_MODE
+    laws = system.laws
+    named = [] if laws.regions[0].sides else [mode.name for mode in laws.regions]
+    if name not in named:
+        known = f"one of {', '.join(named)} is needed" if named else "its regions have no names, so that x0 tells it"
+        raise ValueError(f"region = {name!r} of the system {system.name!r}: {known}")
+    return named.index(name)
 
 
 def _settings(

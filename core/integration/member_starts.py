@@ -33,7 +33,7 @@ class Places(NamedTuple):
     """(n,) whether the state lies inside a region, off all surfaces, and all that is needed there is finite."""
 
 
-def first_places(laws: Laws, t: float, x: Floats, p: Floats) -> Places:
+def first_places(laws: Laws, t: float, x: Floats, p: Floats, given: int = NO_MODE) -> Places:
     """Find the regions of initial states.
 
     Parameters
@@ -44,6 +44,8 @@ def first_places(laws: Laws, t: float, x: Floats, p: Floats) -> Places:
         (n, d) initial states.
     p
         (n, parameters) parameter values.
+    given
+        Number of the region in which all begin; NO_MODE where their states tell.
     """
     count, d = len(laws.surfaces), len(laws.x)
     parameters = np.ascontiguousarray(p.T)
@@ -61,8 +63,12 @@ def first_places(laws: Laws, t: float, x: Floats, p: Floats) -> Places:
             inside &= on | (way.sign * heights[:, way.surface] > 0.0)
             at[on] = n
         region[inside], guards[inside] = k, at[inside]
+        if k == given:
+            plain &= inside
         plain &= ~inside | np.isfinite(fields[:, k * d : (k + 1) * d]).all(axis=1)
     plain &= region != NO_MODE
+    if given != NO_MODE:
+        return Places(np.full(len(x), guard_table(laws).first_rows[given]), np.zeros(len(x), dtype=np.int64), plain)
     if laws.two_sided:
         return Places(np.zeros(len(x), dtype=np.int64), np.zeros(len(x), dtype=np.int64), plain)
     found = clear & (region != NO_MODE)

@@ -118,7 +118,7 @@ class Members:
         """
         tau, shift = steps = np.empty((2, len(x)))
         steps.T[:] = [(one.tau, one.shift) for one in each or (settings,)]
-        places = first_places(system.laws, t_span[0], x, p)
+        places = first_places(system.laws, t_span[0], x, p, settings.region)
         return cls(system, method, settings, t_span, tau, shift, x, p, places, wanted, told)
 
     def __len__(self) -> int:

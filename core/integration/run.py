@@ -17,7 +17,7 @@ from core.integration.hits import all_crossings, crossings_of, joined, no_crossi
 from core.integration.memory import FIELDS
 from core.integration.recorded import Chunk, Entry, Point
 from core.integration.run_settings import Settings
-from core.integration.starting import first_place
+from core.integration.starting import Place, first_place
 from core.integration.unlike import begun_rows, kept_rows
 from core.kernels.abi import SINGULAR_LENGTH, SINGULARITY, STEP
 from core.kernels.arrays import Floats
@@ -110,7 +110,8 @@ class Run:
 
     def _find_first_region(self) -> None:
         """Find the region in which the run begins: the loop itself tells two sides of one surface apart."""
-        place = first_place(self.system, self.t0, self.memory.x)
+        given = self.settings.region
+        place = first_place(self.system, self.t0, self.memory.x) if given == NO_MODE else Place(given)
         if place.region is None:
             raise ValueError(f"x0 = {self.start!r} lies in a region for which no law is declared; choose another state")
         row, self.corner = int(self.begun.table.first_rows[place.region]), place.corner

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integration.events import NOTHING, Watched
-from core.transition.records import ANY_SURFACE
+from core.transition.records import ANY_SURFACE, NO_MODE
 from core.transition.status import CROSSING_KINDS
 
 __all__ = ["ALL", "Asked", "CrossingsOf", "Settings"]
@@ -75,6 +75,8 @@ class Settings:
     max_events: int = 1_000_000
     slides: bool = False
     """Whether the run slides along the surface where both fields point to it; else it stops there."""
+    region: int = NO_MODE
+    """Number of the region in which the run begins; NO_MODE: one in which its initial state lies."""
     events: Watched = NOTHING
     """The events to be found."""
     cancel: Callable[[], bool] | None = None

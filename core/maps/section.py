@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from core.ensemble import MOST, Ensemble, checked_discard, checked_members, integrate_all
-from core.integrate import checked_method, checked_settings, checked_span
+from core.integrate import checked_method, checked_region, checked_settings, checked_span
 from core.integration.crossings import Integers
 from core.integration.events import NOTHING, Event, checked_direction, checked_events
 from core.integration.members import Wanted
@@ -85,6 +85,7 @@ def section(
     tolerance: float | None = None,
     max_steps: int | None = None,
     sliding: str = "stop",
+    region: str | None = None,
     executor: Executor | None = None,
     cancel: Cancel | None = None,
     progress: Callable[[float], object] | None = None,
@@ -95,7 +96,7 @@ def section(
 
     Parameters
     ----------
-    system, x0, parameters, tau, method, tolerance, max_steps, sliding, executor, cancel, progress
+    system, x0, parameters, tau, method, tolerance, max_steps, sliding, region, executor, cancel, progress
         As of `ensemble`.
     t_span
         Start time, and the time at which a member ends that has not had all its points by then.
@@ -129,7 +130,7 @@ def section(
         wanted = Wanted(surface=surface.number, way=way * surface.sign, discard=first, most=most)
     settings = checked_settings(
         chosen, tau, tolerance, max_crossings=10**9, max_steps=max_steps, sliding=sliding, events=events,
-        max_events=first + most,
+        max_events=first + most, region=checked_region(own, region),
     )  # fmt: skip
     names = own.variables if coordinates is None else coordinates
     columns = coordinate_numbers(own.variables, names)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,6 +52,8 @@ class Sweep:
     """(d,) state in which a continuation goes on, with further values."""
     begins: float
     """Time at which it goes on: of laws that contain t the time goes on, too."""
+    region: str | None
+    """Name of the region in which it goes on, where regions have names."""
     sides: Floats
     """(surfaces,) signs of the switching functions there, if the parameter moves a surface: 0 on it; else empty."""
     ensembles: tuple[Ensemble, ...] = field(repr=False)
@@ -112,15 +114,16 @@ def sweep(
     continuation
         "none": each run begins at x0, and all run side by side. "up", "down": each begins where the run of the next
         smaller, or larger, value has ended (or a little later, if the parameter moves a surface), so that it follows a
-        branch for as long as that attracts. If the laws contain t, it begins at that time as well, in the same phase of
-        what drives it, and lasts as long as the first. The next begins at x0 after a run that has stopped, and where
-        the surface has moved over that state.
+        branch for as long as that attracts: in the region of that end, if regions have names, and if the laws contain
+        t, at that time, in the same phase of what drives them; it lasts as long as the first. The next begins at x0
+        after a run that has stopped, and where the surface has moved over that state.
     after
         The part of a continuation before, which goes on from there.
     executor, cancel, progress
         As of `ensemble`; with a continuation, runs follow each other, and there is no use for an executor.
     **settings
-        Others of `section`: of, direction, tau, method, tolerance, max_steps, sliding.
+        Others of `section`: of, direction, tau, method, tolerance, max_steps, sliding; and region, that of the first
+        run of a continuation.
 
     Returns
     -------
@@ -138,56 +141,69 @@ def sweep(
     given = numbers(values, "values")
     if given.ndim != 1:
         raise ValueError(f"values has shape {given.shape}: (v,) is needed")
-    start = np.array(own.x0 if x0 is None else own.check_state(x0))
+    first = _Begin(t_span[0], np.array(own.x0 if x0 is None else own.check_state(x0)), settings.pop("region", None))
     common = {"points": points, "discard": discard, "coordinates": (coordinate,), "cancel": cancel, **settings}
     if choice(continuation, "continuation", _CONTINUATIONS) == "none":
         found = section(
-            own, t_span, start, {parameter: given}, executor=executor, progress=progress, **common
+            own, t_span, first.x, {parameter: given}, region=first.region, executor=executor, progress=progress,
+            **common,
         )  # fmt: skip
-        statuses = tuple(map(Status, found.ensemble.status.tolist()))
+        statuses, of_points = tuple(map(Status, found.ensemble.status.tolist())), given[found.member]
         return Sweep(
-            parameter,
-            coordinate,
-            given,
-            statuses,
-            given[found.member],
-            found.points[:, 0],
-            start,
-            t_span[0],
-            np.empty(0),
-            (found.ensemble,),
-        )
+            parameter, coordinate, given, statuses, of_points, found.points[:, 0], first.x, first.t, first.region,
+            np.empty(0), (found.ensemble,),
+        )  # fmt: skip
     ends = [Status.CANCELLED] * len(given)
     order = np.argsort(given, kind="stable")[:: 1 if continuation == "up" else -1]
     parts: dict[int, Floats] = {}
     ensembles: list[Ensemble] = []
     moves = any(symbol.name == parameter for g in own.laws.surfaces for symbol in g.free_symbols)
-    first, lasts = t_span[0], t_span[1] - t_span[0]
-    here, begins, sides = (start, first, np.empty(0)) if after is None else (after.following, after.begins, after.sides)
+    lasts = t_span[1] - t_span[0]
+    here, sides = (first, np.empty(0)) if after is None else (_Begin.after(after), after.sides)
     for done, k in enumerate(order.tolist(), start=1):
         if cancel is not None and cancel():
             break
         value = {parameter: given[k : k + 1]}
-        if len(sides) and (sides * _sides(own, begins, here, value) < 0.0).any():
-            here, begins = start, first
-        one = section(own, (begins, begins + lasts), here, value, **common)
+        if len(sides) and (sides * _sides(own, here, value) < 0.0).any():
+            here = first
+        one = section(own, (here.t, here.t + lasts), here.x, value, region=here.region, **common)
         ends[k], parts[k] = Status(int(one.ensemble.status[0])), one.points[:, 0]
         ensembles.append(one.ensemble)
         last, goes_on = one.ensemble, ends[k] in (Status.CROSSING_LIMIT, Status.EVENT_LIMIT, Status.COMPLETED)
         if moves and ends[k] is Status.CROSSING_LIMIT:
-            last = _going_on(own, begins, one, value, settings)
+            last = _going_on(own, here.t, one, value, settings)
             goes_on = last.status[0] == Status.COMPLETED
-        here, begins = (last.x[0], float(last.t[0]) if own.laws.names_time else first) if goes_on else (start, first)
+        here = _Begin.at_end(own, last, first.t) if goes_on else first
         if moves:
-            sides = _sides(own, begins, here, value)
+            sides = _sides(own, here, value)
         if progress is not None:
             progress(done / len(given))
     shown = [k for k in range(len(given)) if k in parts]
     repeated = np.repeat(given[shown], [len(parts[k]) for k in shown])
     coordinates = np.concatenate([np.empty(0), *(parts[k] for k in shown)])
     return Sweep(
-        parameter, coordinate, given, tuple(ends), repeated, coordinates, here, begins, sides, tuple(ensembles)
-    )
+        parameter, coordinate, given, tuple(ends), repeated, coordinates, here.x, here.t, here.region, sides,
+        tuple(ensembles),
+    )  # fmt: skip
+
+
+class _Begin(NamedTuple):
+    """Where a run begins: at a time, in a state and, if regions have names, in one of them."""
+
+    t: float
+    x: Floats
+    region: str | None
+
+    @classmethod
+    def after(cls, before: Sweep) -> _Begin:
+        """Where a continuation goes on."""
+        return cls(before.begins, before.following, before.region)
+
+    @classmethod
+    def at_end(cls, own: PiecewiseSystem, run: Ensemble, t0: float) -> _Begin:
+        """Where a run has ended; at time t0 if the time is no matter."""
+        t = float(run.t[0]) if own.laws.names_time else t0
+        return cls(t, run.x[0], own.laws.named_region(int(run.mode[0])))
 
 
 def _going_on(
@@ -197,10 +213,10 @@ def _going_on(
 
     Where it has ended, on the surface, would be beyond that of another parameter.
     """
-    at, x = float(one.ensemble.t[0]), one.ensemble.x
+    at, x, region = float(one.ensemble.t[0]), one.ensemble.x, own.laws.named_region(int(one.ensemble.mode[0]))
     later = at + (at - began) / int(one.ensemble.crossing_count[0]) / 2
     how = {name: given for name, given in settings.items() if name not in ("of", "direction")}
-    return ensemble(own, (at, later), x, value, **how)
+    return ensemble(own, (at, later), x, value, region=region, **how)
 
 
 def _check_settings(settings: Mapping[str, Any]) -> None:
@@ -212,10 +228,10 @@ def _check_settings(settings: Mapping[str, Any]) -> None:
             raise ValueError(f"{name} is not an argument of a sweep; of those of section it takes {', '.join(known)}")
 
 
-def _sides(own: PiecewiseSystem, t: float, x: Floats, value: Mapping[str, Floats]) -> Floats:
-    """Return (surfaces,) signs of the switching functions at a state; 0 where it is on a surface, to rounding."""
+def _sides(own: PiecewiseSystem, here: _Begin, value: Mapping[str, Floats]) -> Floats:
+    """Return (surfaces,) signs of the switching functions where a run begins; 0 where it is on one, to rounding."""
     laws = own.laws
     p = np.array([value.get(name, np.array([given])) for name, given in own.values.items()])
-    both = laws.evaluate("surfaces", with_roundings(laws.surfaces), t, x[None], p)[0]
+    both = laws.evaluate("surfaces", with_roundings(laws.surfaces), here.t, here.x[None], p)[0]
     heights, roundings = np.split(both, 2)
     return np.where(np.abs(heights) <= _ON * np.finfo(float).eps * roundings, 0.0, np.sign(heights))

@@ -161,6 +161,10 @@ class Laws:
         """Signs of the surfaces' switching functions -> number of the region."""
         return {mode.sides: k for k, mode in enumerate(self.regions)}
 
+    def named_region(self, mode: int) -> str | None:
+        """Return the name of a mode, by its number, if it is a region of those that have names; else None."""
+        return self.regions[mode].name if 0 <= mode < len(self.regions) and not self.regions[mode].sides else None
+
     @cached_property
     def numbers_of_modes(self) -> Mapping[str, int]:
         """Name -> number of each mode."""

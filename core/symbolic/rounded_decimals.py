@@ -26,7 +26,8 @@ _POINTS_EACH, _POINTS_BESIDES = 3, 6
 _LEFT = 1e-6
 #: Change of a decimal, in units of its last digit, that rounding or truncation stays below; it is found to six digits.
 _ROUNDED = 1.0 - 1e-6
-#: Largest denominator of a fraction that is proposed, and its distance from what is found, in units of the last digit.
+#: Largest denominator of a fraction that is proposed, and its distance from what is found, in units of the last digit;
+#: a decimal as near as that is meant as it is typed.
 _DENOMINATOR, _NEAR = 999, 1e-6
 
 
@@ -75,7 +76,8 @@ def rounded_decimals(u: Expr, rate_of: Callable[[Expr], Expr], domain: Domain) -
     changes = [
         Rational(float(part)) * Rational(size) * unit for part, unit in zip(change, decimals.values(), strict=True)
     ]
-    return tuple(Rounded(r, r + by, unit) for (r, unit), by in zip(decimals.items(), changes, strict=True) if by)
+    found = zip(decimals.items(), changes, strict=True)
+    return tuple(Rounded(r, r + by, unit) for (r, unit), by in found if abs(by) > _NEAR * unit)
 
 
 def _unit(number: Rational) -> Rational | None:

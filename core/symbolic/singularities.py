@@ -121,11 +121,15 @@ def _vanishing(node: Expr) -> Iterator[Expr]:
 
 
 def _polynomial_factors(u: Expr) -> list[tuple[Expr, Expr]]:
-    """Factors of a polynomial and their powers; none of another expression, nor where sympy finds none."""
+    """Factors of a polynomial and their powers; none of another expression, nor where sympy finds none.
+
+    One that has no factors stays as it is written: multiplied out, (t − 1)² + 10⁻¹⁶ vanishes to rounding near t = 1.
+    """
     try:
-        return [(v, sympy.Integer(n)) for v, n in factor_list(u)[1]] if u.is_polynomial() else []
+        found = factor_list(u)[1] if u.is_polynomial() else []
     except sympy.BasePolynomialError:  # of the number (43/10)**(2*E), or with it
         return []
+    return [(u if [n for _, n in found] == [1] else v, sympy.Integer(n)) for v, n in found]
 
 
 def _factors(u: Expr, signed: bool) -> Iterator[Expr]:

@@ -300,7 +300,7 @@ PIXELS = """async svg => {
 
 def test_a_cloud_of_points_is_saved_with_600_pixels_an_inch(visit):
     page = visit(query="system=chua&view=sweep&methods=taylor&sweep_parameter=alpha&sweep_points=40")
-    page.get_by_text(re.compile("The 40 points requested were found for every value")).first.wait_for()
+    page.get_by_text(re.compile("The 40 points requested were found for every value")).first.wait_for(state="attached")
     page.get_by_role("button", name=re.compile("Export")).click()
     page.get_by_role("button", name="85 mm", exact=True).click()
     svg = downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode()

@@ -336,3 +336,44 @@ def test_the_reason_of_a_run_is_a_clause_of_its_outcome():
     for system, start in (("bouncing_ball", None), ("type_sliding", None), ("predator_prey", (-1.0, 1.0))):
         run = core.integrate(system, (0.0, 40.0), start)
         assert f": {run.reason}. " in run.outcome
+
+
+def thermostat(first="on", second="off"):
+    """Two regions that overlap between x = −0.6 and 0.6, in either order; the field tells them apart."""
+    laws = {"on": core.Region(f=("v", "-(x - 0.5)")), "off": core.Region(f=("v", "-(x + 0.5)"))}
+    ways = (core.Transition("on", "x + 0.6", "off"), core.Transition("off", "0.6 - x", "on"))
+    return core.PiecewiseSystem(
+        "relay", ("x", "v"), regions={name: laws[name] for name in (first, second)}, transitions=ways, x0=(-0.5, 0.0)
+    )
+
+
+@pytest.mark.parametrize("method", ["rk8", "taylor"])
+@pytest.mark.parametrize("names", [("on", "off"), ("off", "on")])
+def test_a_run_begins_in_the_region_that_is_named(method, names):
+    system = thermostat(*names)
+    rests = core.integrate(system, (0.0, 5.0), method=method, region="off")
+    assert rests.x == pytest.approx(np.array([-0.5, 0.0]) + 0 * rests.x)
+    swings = core.integrate(system, (0.0, 1.0), method=method, region="on")
+    assert swings.x[-1] == pytest.approx((0.5 - math.cos(1.0), math.sin(1.0)), abs=1e-12)
+    assert not swings.warning
+    both = core.ensemble(system, (0.0, 1.0), [(-0.5, 0.0)] * 2, method=method, region="on")
+    assert np.array_equal(both.x, [swings.x[-1]] * 2)
+    default = core.integrate(system, (0.0, 1.0), method=method)
+    assert np.array_equal(default.x, core.integrate(system, (0.0, 1.0), method=method, region=names[0]).x)
+
+
+def test_a_region_that_the_state_is_outside_of_is_refused():
+    told = r"x0 = \(-0.7, 0.0\) is outside the region 'on', which ends where x \+ .* = 0: it is -0.1 there"
+    with pytest.raises(ValueError, match=told):
+        core.integrate(thermostat(), (0.0, 1.0), (-0.7, 0.0), method="rk8", region="on")
+    with pytest.raises(ValueError, match=f"member 1: {told}"):
+        core.ensemble(thermostat(), (0.0, 1.0), [(0.0, 0.0), (-0.7, 0.0)], method="rk8", region="on")
+
+
+@pytest.mark.parametrize(
+    ("system", "name", "told"),
+    [(thermostat(), "hot", "one of on, off is needed"), (OSCILLATOR, "on", "its regions have no names")],
+)
+def test_an_unknown_region_is_refused(system, name, told):
+    with pytest.raises(ValueError, match=told):
+        core.integrate(system, (0.0, 1.0), region=name)

@@ -67,6 +67,8 @@ class _Piece:
 
     t: float
     x: tuple[float, ...]
+    region: str | None
+    """Name of the region in which it is, where regions have names."""
     offset: Floats
     """(m,) change of ψ so far."""
     error: Floats
@@ -92,12 +94,12 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
     )  # fmt: skip
     laws = plan.system.laws
     count = laws.most_conserved_sliding if plan.sliding == "continue" else laws.most_conserved
-    at = [_Piece(plan.t_span[0], plan.x0, np.zeros(count), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
+    at = [_Piece(plan.t_span[0], plan.x0, None, np.zeros(count), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
     for number, (start, end) in enumerate(pairwise(edges)):
         given_up = GivenUp()
         going = [k for k in range(n) if at[k].status is Status.COMPLETED]
         span = (plan.t_span[0] + start * plan.tau, plan.t_span[0] + end * plan.tau)
-        tasks = [(plan, plan.methods[k], span, at[k].x, end - start, at[k].offset, given_up) for k in going]
+        tasks = [(plan, plan.methods[k], span, at[k], end - start, given_up) for k in going]
         for which, piece in as_completed(_piece, tasks, executor, cancel, given_up):
             at[going[which]] = piece
             last = end == plan.steps
@@ -134,22 +136,22 @@ def _with(items: tuple[Item, ...], k: int, item: Item) -> tuple[Item, ...]:
     return (*items[:k], item, *items[k + 1 :])
 
 
-def _piece(
-    plan: Plan, method: str, span: tuple[float, float], x0: tuple[float, ...], steps: int, offset: Floats,
-    cancel: Cancel,
-) -> _Piece:  # fmt: skip
-    """Run one piece, from a state at which ψ has changed by `offset` (m,) already."""
+def _piece(plan: Plan, method: str, span: tuple[float, float], before: _Piece, steps: int, cancel: Cancel) -> _Piece:
+    """Run one piece, from where the one before has ended."""
     most = _ADAPTIVE * steps + _FIRST if METHODS[method].adaptive else steps + _FIRST
     part = integrate(
-        plan.system, span, x0, plan.tau, method, max_steps=most, max_crossings=most, transition=plan.transition,
-        sliding=plan.sliding, cancel=cancel,
+        plan.system, span, before.x, plan.tau, method, max_steps=most, max_crossings=most, transition=plan.transition,
+        sliding=plan.sliding, cancel=cancel, region=before.region,
     )  # fmt: skip
     raise_if(cancel)
-    x, change = tuple(map(float, part.x[-1])), offset + part.accumulated_error()
+    x, change = tuple(map(float, part.x[-1])), before.offset + part.accumulated_error()
     change[part.sliding] = np.nan  # while it slides, g takes the place of ψ
-    end = np.where(np.isnan(change[-1]), offset, change[-1])
+    end = np.where(np.isnan(change[-1]), before.offset, change[-1])
+    region = plan.system.laws.named_region(int(part.mode[-1]))
     error = _column_errors(part.t, span, change)
-    return _Piece(float(part.t[-1]), x, end, error, part.status, part.outcome, part.crossing_count, part.seconds)
+    return _Piece(
+        float(part.t[-1]), x, region, end, error, part.status, part.outcome, part.crossing_count, part.seconds
+    )
 
 
 def _column_errors(t: Floats, span: tuple[float, float], change: Floats) -> Floats:

@@ -106,6 +106,33 @@ def test_of_laws_that_contain_the_time_a_continuation_goes_on_in_time():
     assert found.begins == t
 
 
+@pytest.mark.parametrize("continuation", ["up", "down"])
+@pytest.mark.parametrize("method", ["rk4", "taylor"])
+def test_a_continuation_goes_on_in_the_region_of_the_end_whichever_is_declared_first(continuation, method):
+    """Both regions contain the places where h = v = 0; the section is inside them, not at a guard."""
+    laws = {
+        "up": core.Region(f=("v", "-0.2*v - (x - 0.5) + a*cos(t)")),
+        "down": core.Region(f=("v", "-0.2*v - (x + 0.5) + a*cos(t)")),
+    }
+    ways = (core.Transition("up", "x + 0.6", "down"), core.Transition("down", "0.6 - x", "up"))
+    values, found = np.linspace(0.05, 0.09, 5), []
+    for names in (("up", "down"), ("down", "up")):
+        system = core.PiecewiseSystem(
+            "relay", ("x", "v"), regions={name: laws[name] for name in names}, transitions=ways,
+            parameters={"a": 0.1}, x0=(-0.55, 0.0),
+        )  # fmt: skip
+        steps = {} if method == "taylor" else {"tau": 0.01}
+        found.append(
+            core.sweep(
+                system, (0.0, 300.0), "a", values, "x", of="v", points=4, discard=2, continuation=continuation,
+                method=method, region="down", **steps,
+            )
+        )  # fmt: skip
+    assert found[0].points.mean() < -0.4
+    assert np.array_equal(found[0].points, found[1].points)
+    assert found[0].region == found[1].region == "down"
+
+
 def test_a_continuation_in_parts_is_that_of_the_whole():
     whole = core.sweep(BOTH, (0.0, 1e3), "a", VALUES, "x", continuation="down", **SETTINGS)
     found, points = None, []
@@ -114,6 +141,7 @@ def test_a_continuation_in_parts_is_that_of_the_whole():
         points = [found.points, *points]
     assert np.array_equal(np.concatenate(points), whole.points)
     assert np.array_equal(found.following, whole.following)
+    assert (found.begins, found.region) == (whole.begins, whole.region)
 
 
 def test_a_cancelled_sweep_has_the_points_of_the_values_that_are_done():
