@@ -49,8 +49,10 @@ class Rounded(NamedTuple):
         simple = Fraction(int(self.meant.p), int(self.meant.q)).limit_denominator(_DENOMINATOR)
         near = abs(Rational(simple.numerator, simple.denominator) - self.meant) <= _NEAR * self.unit
         digits = len(str(abs(self.typed / self.unit)))
-        enough = next((n for n in range(digits + 3, 17) if sympy.N(self.meant, n) != sympy.N(self.typed, n)), 17)
-        meant = str(simple) if near else str(sympy.N(self.meant, enough))
+        enough = digits + 3
+        while (meant := str(sympy.N(self.meant, enough))) == str(sympy.N(self.typed, enough)):
+            enough += 1
+        meant = str(simple) if near else meant
         return f"{meant} in place of {sympy.N(self.typed, digits)!s}"
 
 
