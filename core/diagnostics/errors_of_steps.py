@@ -14,6 +14,7 @@ import numpy as np
 from core.diagnostics.made_again import anew
 from core.diagnostics.resolution import RUNS_AWAY, resolvable
 from core.diagnostics.slow_passes import SlowPasses
+from core.integration.crossings import Integers
 from core.integration.trajectory import COMPARED, Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
@@ -34,8 +35,10 @@ _SHIFT = 0.1
 _UNFINISHED = (Status.NO_CONVERGENCE, Status.STEP_LIMIT)
 #: Part of the tolerance with which a method that chooses its steps takes shorter ones …
 _FINER = 2.0**-10
-#: … and by which its longest step is divided: between ends of steps the orbit is taken to be straight.
+#: … and by which its longest step is divided.
 _PARTS = 16.0
+#: Pieces of a step that are taken to be straight, and most of those in which an orbit is looked at anew.
+_PIECES, _MOST_PIECES = 32, 8192
 _EPS = 2.0**-52
 
 
@@ -110,22 +113,53 @@ class _Orbit:
         t, segment = np.concatenate([run.t, met.t, met.t]), np.concatenate([run.segment, of, of + 1])
         order = np.lexsort((self.way * t, segment))
         self.t, self.x, self.segment = t[order], np.concatenate([run.x, met.x, met.x_after])[order], segment[order]
+        self._at = run.at
 
     def nearest(self, t: float, around: float, x: Floats, size: Floats) -> tuple[float, float]:
         """Least distance, in units of size, of a state from the orbit around a time, and the time there.
 
-        Where it passes nearby several times, as a closed orbit does, that is the time next to the one asked for.
+        Where it passes nearby several times, as a closed orbit does, that is the time next to the one asked for. Steps
+        are taken to be straight, unless the distance is told: a long step of high order is not.
         """
         first, last = np.searchsorted(self.way * self.t, self.way * t + np.array([-around, around]))
         rows = slice(max(min(first, len(self.t) - 1) - 1, 0), last + 1)
-        orbit, x = self.x[rows] / size, x / size
-        chord = np.diff(orbit, axis=0)
-        chord[np.diff(self.segment[rows]) != 0] = 0.0  # a jump
-        along = ((x - orbit[:-1]) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
-        along = np.append(np.clip(along, 0.0, 1.0), 0.0)
-        chord = np.concatenate([chord, np.zeros((1, orbit.shape[1]))])  # the last state itself
-        lasting = np.append(np.diff(self.t[rows]), 0.0)
-        distance = np.nan_to_num(np.abs(orbit + along[:, None] * chord - x).max(axis=1), nan=np.inf)
-        times = self.t[rows] + along * lasting
-        near = np.flatnonzero(distance <= max(float(distance.min()), 0.5 * _FAR))
-        return float(distance.min()), float(times[near[np.argmin(np.abs(times[near] - t))]])
+        pieces = self.t[rows], self.x[rows], self.segment[rows]
+        found = _nearest(*pieces, t, x, size)
+        return found if found[0] < _FAR else _nearest(*self._divided(*pieces), t, x, size)
+
+    def _divided(self, t: Floats, x: Floats, segment: Integers) -> tuple[Floats, Floats, Integers]:
+        """The orbit between some ends of steps, with places on the steps."""
+        count = int(np.clip(_MOST_PIECES // max(len(t) - 1, 1), 1, _PIECES))
+        parts = np.arange(count) / count
+        times = t[:-1, None] + np.where(np.diff(segment) == 0, np.diff(t), 0.0)[:, None] * parts
+        states = self._at(times.ravel()).reshape(len(times), count, x.shape[1])
+        states[:, 0] = x[:-1]
+        states[np.diff(segment) != 0] = x[:-1][np.diff(segment) != 0, None]
+        return (
+            np.append(times.ravel(), t[-1]),
+            np.concatenate([states.reshape(-1, x.shape[1]), x[-1:]]),
+            np.append(np.repeat(segment[:-1], count), segment[-1]),
+        )
+
+
+def _nearest(t: Floats, x: Floats, segment: Integers, asked: float, there: Floats, size: Floats) -> tuple[float, float]:
+    """Least distance of a state `there` from a polygon, in units of size, and the time at it, next to the one asked.
+
+    That itself, if it is near then: a state that hardly moves is near for long, and tells no time.
+    """
+    orbit, there = x / size, there / size
+    chord = np.diff(orbit, axis=0)
+    chord[np.diff(segment) != 0] = 0.0  # a jump
+    along = ((there - orbit[:-1]) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
+    along = np.append(np.clip(along, 0.0, 1.0), 0.0)
+    chord = np.concatenate([chord, np.zeros((1, orbit.shape[1]))])  # the last state itself
+    lasting = np.append(np.diff(t), 0.0)
+    distance = np.nan_to_num(np.abs(orbit + along[:, None] * chord - there).max(axis=1), nan=np.inf)
+    times = t + along * lasting
+    if lasting.any():
+        k = int(np.argmin(np.where(lasting != 0.0, np.abs(t + 0.5 * lasting - asked) - 0.5 * np.abs(lasting), np.inf)))
+        then = orbit[k] + np.clip((asked - t[k]) / lasting[k], 0.0, 1.0) * chord[k]
+        if np.abs(then - there).max() <= min(0.5 * _FAR, 2.0 * float(distance.min()) + 0.1 * _FAR):
+            return float(distance.min()), asked
+    near = np.flatnonzero(distance <= max(float(distance.min()), 0.5 * _FAR))
+    return float(distance.min()), float(times[near[np.argmin(np.abs(times[near] - asked))]])

@@ -171,7 +171,8 @@ class ExactArc:
         raise_if(self._level.cancel)
         if len(self._steps) == _MAX_STEPS:
             last = float(self._end)
-            raise ValueError(f"no crossing found in {_MAX_STEPS} steps, up to {last:.6g} after the last one")
+            up_to = f", up to {last:.6g} after the last one" if math.isfinite(last) else ""
+            raise ValueError(f"no crossing found in {_MAX_STEPS} steps{up_to}")
         self._leave_out_decayed_parts()
         step = self._motion.field.step(self._level.digits, self._end, self._last, self._unit)
         states = Polynomial(step)

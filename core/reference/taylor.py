@@ -103,7 +103,7 @@ class TaylorSolution:
 
     def count(self, t: float) -> int:
         """Number of crossings up to time t ≥ t0; ValueError past the end of the solution."""
-        self.state(t)
+        self._fine.mode(t)  # follows the solution up to there
         return int(np.searchsorted(self._fine.crossings(0).t, t, side="right"))
 
     def state(self, t: float) -> NDArray[np.float64]:
@@ -149,7 +149,11 @@ class _Path:
 
     def begin(self) -> None:
         """Take the first stride; ValueError where the start is on the surface and cannot leave it to one side."""
-        self._extend("its first step")
+        try:
+            self._extend("its first step")
+        except ValueError:
+            if self._runner.t == self._kept[0].t:  # else it ends later, of which whoever asks so far is told
+                raise
 
     def crossings(self, k: int) -> Crossings:
         """Crossings, the first k of them at least."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -41,6 +42,10 @@ _NARROW = 1e-13
 _WIDE = 1e-9
 
 
+#: Change of a start, relative to the size of the coordinate, that is a few roundings.
+_ROUNDINGS = 2.0**-50
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Tangency(Brief):
     """A start, and the time and state at which its trajectory touches the surface."""
@@ -71,7 +76,7 @@ def find_tangency(plan: Plan, cancel: Cancel | None) -> Tangency | None:
     for a, b in sorted(gaps, key=lambda gap: abs(plan.values[gap[0]] + plan.values[gap[1]] - 2 * here)):
         tangency = _in_gap(plan, float(plan.values[a]), float(plan.values[b]), cancel)
         if tangency is not None:
-            return _refined(plan, tangency, cancel)
+            return _there(plan, _refined(plan, tangency, cancel), cancel)
     return None
 
 
@@ -219,6 +224,19 @@ def _refined(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
     while low < (middle := low + (high - low) / 2) < high:
         low, high = (middle, high) if crossings(middle) == at_low else (low, middle)
     return Tangency(middle, tangency.time, tangency.state, horizon, tangency.size)
+
+
+def _there(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
+    """Return a tangency with the state of the solution from its start, in place of one that starts farther from it.
+
+    That solution may end where it touches the surface: one that starts beside it by some roundings does not.
+    """
+    for aside in (0.0, -_ROUNDINGS * tangency.size, _ROUNDINGS * tangency.size):
+        start = start_at(plan.x0, plan.coordinate, tangency.value + aside)
+        with suppress(ValueError):
+            solution = reference_solution(plan.system, start, plan.t_span[0], sliding=plan.sliding, cancel=cancel)
+            return replace(tangency, state=solution.state(tangency.time))
+    return tangency
 
 
 def _is_exact(plan: Plan, value: float, cancel: Cancel | None) -> bool:

@@ -113,3 +113,16 @@ def test_a_coarse_tolerance_is_told_and_a_fine_one_is_not():
     for tolerance, told in ((1e-3, True), (1e-10, False)):
         run = core.integrate(forced(), (0.0, 80.0), method="taylor", tolerance=tolerance)
         assert ("take a smaller tolerance" in run.warning) is told, run.warning
+
+
+@pytest.mark.parametrize(
+    ("law", "start", "end"),
+    [
+        ("3*t**2*cos(t**3)", 0.0, 8.0), ("2*t*cos(t**2)", 0.0, 40.0), ("exp(t)*cos(exp(t))", 0.8414709848078965, 6.0),
+        ("1000*x*(1 - x)", 1e-300, 2.0), ("1000*x*(1 - x)", 1e-200, 2.0),
+    ],
+)  # fmt: skip
+def test_long_curved_steps_and_states_that_hardly_move_are_no_errors(law, start, end):
+    """Chirps in steps of half a period, which are right to 1e-11, and a state that rests at 0 for most of its time."""
+    system = core.PiecewiseSystem("Curved", ("x",), (law,), (law,), "x - 1e9", x0=(start,))
+    assert core.integrate(system, (0.0, end), method="taylor").warning == ""
