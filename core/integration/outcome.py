@@ -267,7 +267,7 @@ def _advice(end: Ending) -> str:
     if math.isfinite(end.cause.pole):
         return "End the run before it."
     if status is Status.ESCAPED and end.cause.growth is Growth.LARGE:
-        return "The exact one grows, too, without a pole: end the run before."
+        return "The exact one grows, too, and no pole was found up to there: end the run before."
     if found := _at_surface(end):
         return found.advice
     if status is Status.SLIDING and laws.jumps:

@@ -132,7 +132,7 @@ _WITHOUT_TAU = {
     "condition or a parameter so that it clearly meets the surface or clearly misses it.",
     Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero, or "
     "variables differ in size by many powers of ten: take prk8 or rk8 instead.",
-    Status.ESCAPED: "The solution seems to have a pole there: end the run before it.",
+    Status.ESCAPED: "The solution, or its rate, seems to have a pole there: end the run before it.",
     Status.SINGULAR: "The solution may end there: end the run before.",
     Status.STEP_LIMIT: "Take a larger tolerance or an earlier end time, or raise the limit (max_steps).",
     Status.UNSTABLE: "Take a smaller tolerance.",

@@ -45,7 +45,7 @@ _CONSTANTS = (
         "its counterpart for the scheme’s steps to and from the surface; has to be positive",
     ),
     _Constant(
-        "M", "M", "(3.2)", "half the largest second derivative of g along the flow in a step: ½ sup |d²g/dt²|",
+        "M", "M", "(3.2)", "half the largest d²g/dt² along the flow in a step of this τ: ½ sup |d²g/dt²|",
         greatest=True,
     ),
     _Constant(
@@ -63,11 +63,13 @@ _CONSTANTS = (
     ),
     _Constant(
         r"\alpha_{S}^{2} / M", "window", "monotonicity (B.2)",
-        "for τ below this the solution does not meet the surface again within a step", bounds_tau=True,
+        "if τ is below this, the solution does not meet the surface again within a step (M is that of this τ)",
+        bounds_tau=True,
     ),
     _Constant(
         r"\hat{\alpha}_{S}^{2} / \hat{M}", "window_hat", "discrete monotonicity (B.6)",
-        "for τ below this the scheme does not meet the surface again within a step", bounds_tau=True,
+        "if τ is below this, the scheme does not meet the surface again within a step (M̂ is that of this τ)",
+        bounds_tau=True,
     ),
 )  # fmt: skip
 

@@ -50,7 +50,7 @@ READOUT_STYLES: dict[str, str | None] = {
 }
 """CSS of the line that tells what is under the pointer."""
 
-GESTURES = "Click: new trajectory · drag a star: move it"
+GESTURES = "Click or tap: new trajectory · drag a star: move it"
 """What that line says while the pointer is elsewhere."""
 
 

@@ -341,21 +341,23 @@ class OrderView:
         return least.fit_above
 
     def _show_guides(self, drawn: list[_Drawn], floor: float, slopes: Sequence[int]) -> None:
-        """Draw lines of these slopes above the curves, and end the axes where the data do."""
+        """Draw lines of these slopes, each above the curves that are about as steep, and end the axes with the data."""
         errors = np.concatenate([one.row.error[one.there] for one in drawn])
         top, bottom = ROOM * float(errors.max(initial=floor)), lowest(errors, floor)
         used = np.concatenate([one.taus[one.there] for one in drawn] if len(errors) else [one.taus for one in drawn])
         near, far = float(used.min()), float(used.max())
         powers = np.array(slopes, dtype=float)
-        at_far = [max([top, *(ROOM * one.height(slope, far) for one in drawn)]) for slope in slopes]
-        right = far * (top / np.array(at_far)) ** (1 / powers)
-        left = np.maximum(near, right * (bottom / top) ** (1 / powers))
-        heights = top * (left / right) ** powers
-        ends = {"x": right, "y": np.full(len(slopes), top)}  # until the browser has found places
+        above = [ROOM * max((one.height(slope, far) for one in drawn), default=0.0) for slope in slopes]
+        at_far = np.array([height or top for height in above])
+        upper = np.minimum(at_far, top)
+        right = far * (upper / at_far) ** (1 / powers)
+        left = np.maximum(near, right * (bottom / upper) ** (1 / powers))
+        heights = upper * (left / right) ** powers
+        ends = {"x": right, "y": upper}  # until the browser has found places
         self.guide_names.data = {**ends, "text": [f"slope {slope}" for slope in slopes]}
         self.guides.data = {
             "xs": [np.array(ends) for ends in zip(left, right, strict=True)],
-            "ys": [np.array([height, top]) for height in heights],
+            "ys": [np.array(ends) for ends in zip(heights, upper, strict=True)],
         }
         self.corners.data = {"x": [near, far], "y": [bottom, top]}
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.core.properties import value
-from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range1d
+from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool, Range1d
 from bokeh.models.glyphs import Scatter
 from bokeh.models.labeling import NoOverlap
 
@@ -111,6 +111,8 @@ class Panel:
         self.lines = self.figure.add_glyph(self.curves, run_lines())
         self.corners = ColumnDataSource({"x": [0.0, 0.0], "y": [-1.0, 1.0]})
         self.up.renderers = [self.figure.add_glyph(self.corners, invisible(size=1))]
+        # The browser keeps what it last saw of a panel that went, and would join it to what is seen once it is back.
+        self.corners.js_on_change("data", CustomJS(args={"up": self.up}, code="up._plot_bounds.clear()"))
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
         entries = [({"field": "method"}, self.lines), *shade_keys(self.figure), ({"field": "label"}, self.marks.key)]
         self.entries = legend_below(self.figure, entries)

@@ -46,7 +46,7 @@ TABS_SX = {
     },
     "@container (1060px <= width < 1350px)": {".MuiTab-root": {"fontSize": "min(0.775rem, 13px)"}},  # of a lecture
     f"@media (width < {NARROW}px)": {  # titles fade where their row goes on
-        ".MuiTabs-scroller": {"maskImage": "linear-gradient(to left, transparent, black 40px)"},
+        ".MuiTabs-scroller": {"maskImage": "linear-gradient(to left, transparent, black 24px)"},
         ".MuiTabs-list, .MuiTabs-flexContainer": {"paddingRight": "40px"},
     },
     ".MuiTabs-indicator": {"display": "none"},  # the shadow is there from the first paint on

@@ -18,6 +18,14 @@ POINTS = f"""() => {{
         Array.from(one.data_source.data.status, (status, k) => ({{status, label: one.data_source.data.label[k],
             setting: one.data_source.data.setting[k], filled: one.glyph.fill_alpha.value !== 0}})))
 }}"""
+PANELS = """() => {
+    const views = [...Bokeh.index.query(view => view.model.type == "Figure" && view.model.left[0].axis_label != null)]
+    const shown = views.filter(view => view.el.closest("*").checkVisibility() && view.model.x_range.end > 0)
+    return shown.map(view => ({name: view.model.left[0].axis_label, top: view.el.getBoundingClientRect().top,
+                               left: view.el.getBoundingClientRect().left,
+                               range: [view.model.y_range.start, view.model.y_range.end]}))
+        .filter(one => one.left > 700).sort((one, other) => one.top - other.top)
+}"""
 CURVES = f"""() => ({FIGURE})("Absolute change")?.rows.filter(row => "xs" in row && "method" in row).flatMap(row =>
     Array.from(row.method, (method, k) => ({{method, y: Array.from(row.ys[k]).filter(Number.isFinite)}})))"""
 CELLS = f"""() => {{
@@ -54,6 +62,15 @@ def test_how_a_study_was_made_is_unfolded_by_key_and_stays_so_for_the_next_resul
     page.get_by_role("button", name="rk4", exact=True).click()
     page.get_by_text(re.compile("^rk4")).locator("visible=true").first.wait_for()
     assert words.is_visible()
+
+
+def test_a_panel_of_state_that_comes_back_shows_the_range_of_what_it_shows_then(visit):
+    page = visit(query="v=2&system=chua&view=state")
+    for name, variables in (("Thermostat", ["T", "r"]), ("Ring of three genes", ["x", "y", "z"])):
+        page.get_by_role("combobox", name="System", exact=True).select_option(label=name)
+        panels = await_that(page, PANELS, lambda seen, wanted=variables: [one["name"] for one in seen] == wanted)
+    low, high = panels[2]["range"]
+    assert 0.0 < low < high < 2.0, "those of Chua's circuit reach from −3.4 to 3.4"
 
 
 def test_a_curve_that_leaves_the_plot_reaches_its_end_and_the_words_say_how_far(visit):

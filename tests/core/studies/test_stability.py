@@ -498,3 +498,20 @@ def test_a_solution_that_touches_the_surface_ends_there_and_no_continuation_coun
     assert study.map.expected_crossings[1] == 14
     assert not study.map.works[:, :, 0].any()
     assert study.map.works[:, :, 1].all()
+
+
+@pytest.mark.parametrize("first", ["up", "down"])
+def test_a_long_run_with_hysteresis_stays_in_its_region_from_piece_to_piece(first):
+    """The other region, which contains the state as well, would lead it off to infinity."""
+    laws = {
+        "up": core.Region(("v", "x + 1"), ("v**2 - (x + 1)**2",)),
+        "down": core.Region(("v", "-(x + 0.5)"), ("v**2 + (x + 0.5)**2",)),
+    }
+    names = (first, *{"up", "down"} - {first})
+    system = core.PiecewiseSystem(
+        "relay", ("x", "v"), regions={name: laws[name] for name in names}, x0=(-0.7, 0.0),
+        transitions=(core.Transition("up", "x + 0.6", "down"), core.Transition("down", "0.6 - x", "up")),
+    )  # fmt: skip
+    drift = stability_study(system, (0.0, 20.0), methods=("dmm2", "rk4"), tau=0.01, steps=50_000, parts="drift").drift
+    assert drift.status == (core.Status.COMPLETED,) * 2
+    assert drift.error[0].max() < 1e-13
