@@ -44,7 +44,7 @@ TABS_SX = {
     "@container (925px <= width < 1060px)": {
         ".MuiTab-root": {"paddingX": "2.4px", "fontSize": "12px", "letterSpacing": "-0.01em"},
     },
-    "@container (1060px <= width < 1350px)": {".MuiTab-root": {"fontSize": "min(0.775rem, 13px)"}},  # of a lecture
+    "@container (1060px <= width < 1350px)": {".MuiTab-root": {"fontSize": "min(0.775rem, 1.12cqi)"}},  # of a lecture
     f"@media (width < {NARROW}px)": {  # titles fade where their row goes on
         ".MuiTabs-scroller": {"maskImage": "linear-gradient(to left, transparent, black 24px)"},
         ".MuiTabs-list, .MuiTabs-flexContainer": {"paddingRight": "40px"},

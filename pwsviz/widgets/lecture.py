@@ -25,8 +25,11 @@ REST = "calc(9.8rem + var(--header, 52px) - 52px)"
 TOLD, TOLD_OF_RUNS = 0.5, 0.36
 """Part of the height of the screen that a figure leaves free for what is told below it, at most; less the portrait."""
 
+PLAYER = 40
+"""Height of the player in pixels, for which `REST` leaves room, too: the portrait stays as it is when that opens."""
+
 LINES = 3.9
-"""Part of that which `REST` leaves free in the same unit: three lines."""
+"""Part of that which `REST` leaves free in the unit of the type: three lines."""
 
 LOOK_AGAIN = 400
 """Milliseconds between looks for figures that have come since."""
@@ -124,7 +127,8 @@ export function render({ model }) {
     const lines = LINES * parseFloat(getComputedStyle(root).fontSize)
     for (const [panel, { above, below }] of found) {
       fitted.add(panel)
-      const part = panel.classList.contains("portrait") ? OF_RUNS : TOLD, told = Math.min(below, part * innerHeight)
+      const of_runs = panel.classList.contains("portrait"), part = of_runs ? OF_RUNS : TOLD
+      const told = Math.min(below - (of_runs && model.plays ? PLAYER : 0), part * innerHeight)
       panel.style.setProperty("--above", `${Math.round(above + Math.max(0, told - lines))}px`)
     }
   }
@@ -181,6 +185,7 @@ export function render({ model }) {
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
         .replace("OF_RUNS", str(TOLD_OF_RUNS))
         .replace("TOLD", str(TOLD))
+        .replace("PLAYER", str(PLAYER))
         .replace("LINES", str(LINES))
         .replace("REST", REST)
         .replace("KEY", KEY)
