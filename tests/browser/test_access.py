@@ -62,8 +62,8 @@ OBJECTIONS = """async ([part, rules]) => {
 #: What each view says once its study is done.
 SAID = {
     "State": r"up to t = 2",
-    "Order": r"Reference: ",
-    "Crossing time": r"Reference: ",
+    "Order": r"The end time has no effect",
+    "Crossing time": r"The end time has no effect",
     "Cost": r"Shortest measured run time",
     "Section": r"points on ",
     "Stability": r"Largest step size with correct crossings",

@@ -79,7 +79,7 @@ def test_order_and_crossing_time_show_slopes_near_two(visit):
     for tab, figure in (("Order", "State error"), ("Crossing time", "Crossing-time error")):
         page.get_by_role("tab", name=tab).click()
         # What there is of a study is shown as it comes; at first it has no slopes. Slopes that agree are told once.
-        whole = re.compile(r"dmm2: slope \d\.\d+[^.]*(?:\.\d+[^.]*)*20 and 30.*Reference: ", re.DOTALL)
+        whole = re.compile(r"dmm2: slope \d\.\d+[^.]*(?:\.\d+[^.]*)*20 and 30.*The end time has no effect", re.DOTALL)
         words = page.get_by_text(whole).locator("visible=true").first
         words.wait_for()
         slopes = [float(slope) for slope in re.findall(r"slope (\d+\.\d+)", words.inner_text())]

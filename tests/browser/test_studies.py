@@ -53,7 +53,7 @@ def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_ch
 
 def test_how_a_study_was_made_is_unfolded_by_key_and_stays_so_for_the_next_result(visit):
     page = visit(query="v=1&view=order&methods=rk2,rk4")
-    line, words = page.get_by_text(ABOUT).locator("visible=true"), page.get_by_text(re.compile("^Reference: "))
+    line, words = page.get_by_text(ABOUT).locator("visible=true"), page.get_by_text(re.compile("Reference: "))
     line.wait_for()
     assert not words.is_visible()
     line.focus()
