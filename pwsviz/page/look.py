@@ -45,6 +45,11 @@ TABS_SX = {
         ".MuiTab-root": {"paddingX": "2.4px", "fontSize": "12px", "letterSpacing": "-0.01em"},
     },
     "@container (1060px <= width < 1350px)": {".MuiTab-root": {"fontSize": "min(0.775rem, 1.12cqi)"}},  # of a lecture
+    "@container (width >= 1500px)": {
+        ".MuiTab-root": {
+            "paddingX": "clamp(4px, calc(24px - 1rem), 8px)", "fontSize": "max(14px, min(0.775rem, 1.25cqi))",
+        },  # the type of a lecture needs the room
+    },
     f"@media (width < {NARROW}px)": {  # titles fade where their row goes on
         ".MuiTabs-scroller": {"maskImage": "linear-gradient(to left, transparent, black 24px)"},
         ".MuiTabs-list, .MuiTabs-flexContainer": {"paddingRight": "40px"},
