@@ -71,7 +71,12 @@ def test_on_a_phone_check_boxes_are_large_enough_for_a_finger(visit):
     page.get_by_label("Open menu").click()
     boxes = page.locator(".sidebar").get_by_role("checkbox")
     boxes.first.wait_for()
-    assert all(min(box.bounding_box()["width"], box.bounding_box()["height"]) >= 24 for box in boxes.all())
+
+    def are_large():  # once the sheet that holds them has its style
+        found = [box.bounding_box() for box in boxes.all()]
+        return all(one is not None and min(one["width"], one["height"]) >= 24 for one in found)
+
+    assert becomes(page, are_large)
 
 
 @pytest.mark.deep
