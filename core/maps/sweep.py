@@ -229,9 +229,16 @@ def _check_settings(settings: Mapping[str, Any]) -> None:
 
 
 def _sides(own: PiecewiseSystem, here: _Begin, value: Mapping[str, Floats]) -> Floats:
-    """Return (surfaces,) signs of the switching functions where a run begins; 0 where it is on one, to rounding."""
+    """Return (surfaces,) signs of the switching functions where a run begins; 0 where it is on one, to rounding.
+
+    And of those that do not bound its region, if regions have names: it is no matter on which side of them it is.
+    """
     laws = own.laws
     p = np.array([value.get(name, np.array([given])) for name, given in own.values.items()])
     both = laws.evaluate("surfaces", with_roundings(laws.surfaces), here.t, here.x[None], p)[0]
     heights, roundings = np.split(both, 2)
-    return np.where(np.abs(heights) <= _ON * np.finfo(float).eps * roundings, 0.0, np.sign(heights))
+    sides = np.where(np.abs(heights) <= _ON * np.finfo(float).eps * roundings, 0.0, np.sign(heights))
+    if here.region is not None:
+        guards = {way.surface for way in laws.ways[laws.numbers_of_modes[here.region]]}
+        sides[[k for k in range(len(sides)) if k not in guards]] = 0.0
+    return sides

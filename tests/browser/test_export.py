@@ -30,6 +30,15 @@ def downloaded(page, button):
     return download.value.path().read_bytes()
 
 
+def both_pictures(page):
+    """The portrait and the view beside it as SVG, once they are offered."""
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    files = page.get_by_role("button", name="SVG")
+    files.nth(1).wait_for()
+    return [downloaded(page, files.nth(k)).decode() for k in range(2)]
+
+
 def saved(page, button):
     """The rows of a CSV file that a button saves, without its comments."""
     lines = downloaded(page, button).decode().splitlines()
@@ -490,12 +499,7 @@ def test_in_print_each_curve_has_the_markers_of_its_integrator_and_so_has_the_le
     page = visit(query=f"v=2&methods=dmm2,rk2,rk4,dmm4&starts=-1,-1;-1.5,0.3;-0.5,-0.5&{query}")
     await_that(page, PORTRAIT)
     page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
-    await_still(page)
-    page.get_by_role("button", name=re.compile("Export")).click()
-    files = page.get_by_role("button", name="SVG")
-    files.nth(1).wait_for()
-    for k in range(2):
-        markup = downloaded(page, files.nth(k)).decode()
+    for k, markup in enumerate(both_pictures(page)):
         found, edges = page.evaluate(MARKERS, markup), page.evaluate(EDGES, markup)
         told = "three dashed curves, from each of three starts in the portrait, in each panel of the view"
         assert len(edges) == (bordered if k else 9), told

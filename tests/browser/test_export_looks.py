@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.browser.test_export import MARKERS, TEXTS, downloaded, opened_for_a_column
+from tests.browser.test_export import MARKERS, TEXTS, both_pictures, downloaded, opened_for_a_column
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that
 
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
@@ -37,12 +37,7 @@ def test_a_curve_has_in_print_the_same_markers_in_every_figure_and_its_dash_besi
     for methods in ("rk2", "dmm2,rk2"):
         page = visit(query=f"v=2&methods={methods}&view=conserved")
         await_that(page, PORTRAIT)
-        await_still(page)
-        page.get_by_role("button", name=re.compile("Export")).click()
-        files = page.get_by_role("button", name="SVG")
-        files.nth(1).wait_for()
-        for k in range(2):
-            markup = downloaded(page, files.nth(k)).decode()
+        for markup in both_pictures(page):
             colour = "rgb(162,52,0)"  # of rk2
             dashes = re.findall(rf'<path[^>]*stroke="{re.escape(colour)}"[^>]*stroke-dasharray="([^"]*)"', markup)
             marks = [one for one in page.evaluate(MARKERS, markup) if one["colour"] == colour]

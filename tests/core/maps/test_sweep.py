@@ -133,6 +133,21 @@ def test_a_continuation_goes_on_in_the_region_of_the_end_whichever_is_declared_f
     assert found[0].region == found[1].region == "down"
 
 
+def test_a_guard_of_another_region_that_moves_over_the_state_does_not_end_a_continuation():
+    """Down, about x = −1.2, the guard x + h of the other region changes its sign as h grows; from x0 runs begin up."""
+    laws = {"up": ("v", "-0.5*v - (x - 1.2)"), "down": ("v", "0.4*v*(0.01 - v**2) - x - 1.2")}
+    system = core.PiecewiseSystem(
+        "relay", ("x", "v"), regions={name: core.Region(f) for name, f in laws.items()}, x0=(-0.9, 0.0),
+        transitions=(core.Transition("up", "x + h", "down"), core.Transition("down", "2 - x", "up")),
+        parameters={"h": 0.8},
+    )  # fmt: skip
+    settings = {"of": "v", "points": 3, "discard": 60, "continuation": "up", "method": "taylor"}
+    found = core.sweep(system, (0.0, 400.0), "h", [0.8, 1.0, 1.4], "x", **settings)
+    assert len(found) == 9
+    assert np.abs(found.points + 1.2).max() < 0.3
+    assert found.region == "down"
+
+
 def test_a_continuation_in_parts_is_that_of_the_whole():
     whole = core.sweep(BOTH, (0.0, 1e3), "a", VALUES, "x", continuation="down", **SETTINGS)
     found, points = None, []
