@@ -45,12 +45,14 @@ HEAD: dict[str, Any] = {"fill_color": GREY, "line_color": GREY}
 READOUT_STYLES: dict[str, str | None] = {
     "font-size": "0.8125rem",
     "font-variant-numeric": "tabular-nums",
-    "white-space": "nowrap",
+    "line-height": "1.2",
+    "min-width": "0",
+    "flex": "1 1 0",
     "align-self": "center",
 }
 """CSS of the line that tells what is under the pointer."""
 
-GESTURES = "Click or tap: new trajectory · drag a star: move it"
+GESTURES = "Click or tap: new start · drag a star"
 """What that line says while the pointer is elsewhere."""
 
 
