@@ -19,7 +19,7 @@ from pwsviz.page.frame import THE_PAGE, make_frame
 from pwsviz.page.header import footer, header
 from pwsviz.page.headline import Headline
 from pwsviz.page.help import Help
-from pwsviz.page.look import GRID_CSS, STACK_CSS, TABS_SX
+from pwsviz.page.look import GRID_CSS, STACK_CSS, tabs_sx
 from pwsviz.page.pieces import pieces_of
 from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
 from pwsviz.page.shown_example import ShownExample
@@ -125,7 +125,8 @@ class Explorer(pn.viewable.Viewer):
     def _make_tabs(self) -> Any:
         tabs = pmui.Tabs(
             *((view.title, self.views[key]) for key, view in VIEWS.items()),
-            dynamic=False, active=list(VIEWS).index(self.scene.view), sizing_mode="stretch_width", margin=0, sx=TABS_SX,
+            dynamic=False, active=list(VIEWS).index(self.scene.view), sizing_mode="stretch_width", margin=0,
+            sx=tabs_sx([view.subject for view in VIEWS.values()]),
         )  # fmt: skip
         tabs.param.watch(lambda event: self.scene.param.update(view=list(VIEWS)[event.new]), "active")
         self.scene.param.watch(lambda event: tabs.param.update(active=list(VIEWS).index(event.new)), "view")

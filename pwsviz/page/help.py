@@ -86,10 +86,10 @@ _USE = (
     "Double-click beside the stars to fit the portrait to the trajectories.",
     "Choose integrators to compare them: dmm2 to dmm8 (Discrete Multiplier Method), prk8 and taylor conserve ψ; "
     "Runge–Kutta methods (rk) in general do not, and gauss4 conserves linear and quadratic ψ only.",
-    "Conserved quantity: is ψ conserved? State: how do the variables change in time? Order: how fast do errors fall "
-    "with τ? Crossing time: how accurate are the times of crossings? Cost: what does accuracy cost? Section: where do "
-    "trajectories meet a surface? Stability: which step sizes work? Sweep: what does a parameter change? Scheme: what "
-    "is computed?",
+    "Views of a run: Conserved quantity (is ψ conserved?) and State (how do the variables change in time?). Of the "
+    "integrators: Order (how fast do errors fall with τ?), Crossing time (how accurate are the times of crossings?), "
+    "Cost (what does accuracy cost?) and Stability (which step sizes work?). Of the system: Section (where do "
+    "trajectories meet a surface?) and Sweep (what does a parameter change?). Scheme: what is computed?",
     "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0. Colours distinguish the "
     "starts, or the surfaces if there are several. A click there starts a trajectory on the surface, with the "
     "conserved quantities of the selected one.",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from typing import Any
+
 from pwsviz.page.cover import COLUMNS, LEAST
 from pwsviz.widgets.browser import LOW, NARROW
 from pwsviz.widgets.panes import PLAIN_SX
@@ -14,8 +17,8 @@ __all__ = [
     "NOT_IN_LECTURES",
     "NOT_ON_PHONES",
     "STACK_CSS",
-    "TABS_SX",
     "TAGLINE_CSS",
+    "tabs_sx",
 ]
 
 GRID_CSS = f"""
@@ -35,7 +38,8 @@ HEADER_SX = {
 }  # fmt: skip
 """Of a button in the header, whose theme assumes a coloured bar and sets white text; on a phone its icon is seen."""
 
-TABS_SX = {
+#: Titles as narrow as possible: all are seen from 1280 pixels of screen on, before that their row scrolls sideways.
+_TABS_SX = {
     ".MuiTab-root": {
         "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "4px", "letterSpacing": 0,
         "fontSize": "min(0.775rem, max(12.4px, 1.25cqi))",  # what is larger in lecture mode keeps to one row, too
@@ -58,7 +62,21 @@ TABS_SX = {
     ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
     "@media (forced-colors: active)": {".MuiTab-root.Mui-selected": {"borderBottom": "3px solid Highlight"}},
 }  # fmt: skip
-"""Titles as narrow as possible: all are seen from 1280 pixels of screen on, before that their row scrolls sideways."""
+
+
+def tabs_sx(subjects: list[str]) -> dict[str, Any]:
+    """Return the style of tabs with these subjects: a line stands where the subject changes."""
+    first = [place for place, (one, other) in enumerate(pairwise(subjects), start=2) if one != other]
+    gap = "clamp(3px, calc(5cqi - 49px), 10px)"
+    line = {"content": '""', "position": "absolute", "left": f"calc({gap} / -2)", "height": "1.1em"}
+    return {
+        **_TABS_SX,
+        ", ".join(f".MuiTab-root:nth-of-type({place})" for place in first): {
+            "marginLeft": gap, "overflow": "visible",
+            "&::before": {**line, "borderLeft": "1px solid var(--mui-palette-divider)"},
+        },
+    }  # fmt: skip
+
 
 ABOUT_CSS = """
 footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;

@@ -11,6 +11,8 @@ class View(NamedTuple):
     """A view: what a link and the scene know of it, and where its tab is found."""
 
     title: str
+    subject: str
+    """What it looks at; views of one subject stand together."""
     tab: str
     """Constructor of its tab as "module:name", for it stands above the scene and is loaded when a page is made."""
     settings: tuple[str, ...] = ()
@@ -29,15 +31,15 @@ SWEEP_SETTINGS = (
 """The parameter stands before its range, which a link can only set once the parameter is known."""
 
 VIEWS = {
-    "conserved": View("Conserved quantity", "pwsviz.tabs.conserved:ConservedTab"),
-    "state": View("State", "pwsviz.tabs.state:StateTab"),
-    "order": View("Order", "pwsviz.tabs.order:state_order_tab", _ORDER),
-    "time": View("Crossing time", "pwsviz.tabs.order:time_order_tab", _ORDER),
-    "cost": View("Cost", "pwsviz.tabs.cost:CostTab", ("peers", "cost_across", "cost_up")),
-    "section": View("Section", "pwsviz.tabs.section:SectionTab", ("study_method", *_SECTION)),
-    "stability": View("Stability", "pwsviz.tabs.stability:StabilityTab", ("study_method", *_STABILITY)),
-    "sweep": View("Sweep", "pwsviz.tabs.sweep:SweepTab", ("study_method", *SWEEP_SETTINGS)),
-    "scheme": View("Scheme", "pwsviz.tabs.scheme:SchemeTab", ("study_method",)),
+    "conserved": View("Conserved quantity", "run", "pwsviz.tabs.conserved:ConservedTab"),
+    "state": View("State", "run", "pwsviz.tabs.state:StateTab"),
+    "order": View("Order", "integrators", "pwsviz.tabs.order:state_order_tab", _ORDER),
+    "time": View("Crossing time", "integrators", "pwsviz.tabs.order:time_order_tab", _ORDER),
+    "cost": View("Cost", "integrators", "pwsviz.tabs.cost:CostTab", ("peers", "cost_across", "cost_up")),
+    "stability": View("Stability", "integrators", "pwsviz.tabs.stability:StabilityTab", ("study_method", *_STABILITY)),
+    "section": View("Section", "system", "pwsviz.tabs.section:SectionTab", ("study_method", *_SECTION)),
+    "sweep": View("Sweep", "system", "pwsviz.tabs.sweep:SweepTab", ("study_method", *SWEEP_SETTINGS)),
+    "scheme": View("Scheme", "formulas", "pwsviz.tabs.scheme:SchemeTab", ("study_method",)),
 }
 """Each view by its key, in display order; links contain the key."""
 

@@ -361,7 +361,7 @@ class StepSizeTab(Tab):
 
 
 def test_a_view_added_from_outside_is_in_the_page_in_links_and_in_the_export(monkeypatch):
-    monkeypatch.setitem(VIEWS, "step", View("Step size", f"{__name__}:StepSizeTab"))
+    monkeypatch.setitem(VIEWS, "step", View("Step size", "run", f"{__name__}:StepSizeTab"))
     explorer = Explorer(Scene(t_end=1.0), Results())
     explorer.tabs.active = list(VIEWS).index("step")
     assert explorer.settle(20)

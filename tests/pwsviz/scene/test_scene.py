@@ -301,7 +301,7 @@ def test_a_view_that_is_set_directly_is_checked_too(key):
 
 def test_a_view_can_be_chosen_from_when_it_is_declared(monkeypatch):
     scene = Scene()
-    monkeypatch.setitem(VIEWS, "step", View("Step size", "anywhere:Tab"))
+    monkeypatch.setitem(VIEWS, "step", View("Step size", "run", "anywhere:Tab"))
     scene.view = "step"
     assert scene.view == "step"
 
