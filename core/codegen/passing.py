@@ -8,15 +8,17 @@ from sympy import Expr, Symbol
 
 from core.codegen.functions import Names
 from core.codegen.printing import assignments
+from core.codegen.rounding import rounding_bound
 from core.kernels import abi
 from core.symbolic.expressions import TIME
 from core.symbolic.mode import Mode
+from core.symbolic.singularities import BESIDE
 
 __all__ = ["PassingCode"]
 
 #: Time up to which the end of a step is examined …
 _BEYOND = Symbol("beyond")
-#: … relative to it, so far beyond it: the next step starts at a rounded time.
+#: … relative to it, so far beyond it: the next step starts at a rounded time, and its state is rounded, too.
 _ROUNDING = 2 * 2.0**-52
 
 
@@ -63,6 +65,36 @@ class PassingCode:
             if singularity.angle is not None:
                 counts = [_counted(u, singularity.but_zero) for u in (a, b)]
                 passed = f"abs({b}) < math.inf and {counts[0]} != {counts[1]}"
-            lines += [f"if {passed}:", f"    w[{abi.SINGULARITY}], w[{abi.SINGULAR_FROM}] = {float(k + 1)}, t"]
-            lines += [f"    w[{abi.SINGULAR_LENGTH}] = h", f"    return {abi.NO_SOLUTION}"]
+            lines += [f"if {passed}:", *self._no_solution(k)]
         return lines
+
+    def lines_at_start(self) -> list[str]:
+        """Lines that end the function where rounding alone may put the state beyond a singularity."""
+        lines = self._zeros("start", self._names.x)
+        for k in range(len(self._found)):
+            lines += [f"if abs(start_{k}) <= {_ROUNDING} * start_doubt_{k}:", *self._no_solution(k)]
+        return lines
+
+    def lines_at_surface(self, texts: Sequence[str], x: Sequence[Symbol]) -> list[str]:
+        """Lines that end the function where a singularity lies at x, of these texts, to which rounding is corrected."""
+        lines = [f"{v} = {text}" for v, text in zip(x, texts, strict=True)] if self._found else []
+        lines += self._zeros("there", x)
+        for k in range(len(self._found)):
+            least = f"max({BESIDE} * abs(start_{k}), {_ROUNDING} * there_doubt_{k})"
+            lines += [f"if abs(there_{k}) <= {least}:", *self._no_solution(k)]
+        return lines
+
+    def _zeros(self, place: str, x: Sequence[Symbol]) -> list[str]:
+        at = dict(zip(self._names.x, x, strict=True))
+        zeros = [found.zero.xreplace(self._names.symbols) for found in self._found]
+        values = [value.xreplace(at) for zero in zeros for value in (zero, rounding_bound(zero))]
+        targets = [f"{place}_{what}{k}" for k in range(len(zeros)) for what in ("", "doubt_")]
+        return assignments(targets, values, self._names.temporaries)
+
+    @staticmethod
+    def _no_solution(k: int) -> list[str]:
+        return [
+            f"    w[{abi.SINGULARITY}], w[{abi.SINGULAR_FROM}] = {float(k + 1)}, t",
+            f"    w[{abi.SINGULAR_LENGTH}] = h",
+            f"    return {abi.NO_SOLUTION}",
+        ]

@@ -12,8 +12,8 @@ from core.codegen.functions import (
     jump_text,
     levels_texts,
     module_text,
-    project_to_surface_text,
 )
+from core.codegen.projection import project_to_surface_text
 from core.codegen.step import StepCode
 from core.codegen.taylor_series import event_series_text
 from core.compilation.guards import guard_table

@@ -56,7 +56,7 @@ def too_long_for_the_order(groups: Sequence[Steps]) -> Iterator[str]:
         large = found.errors[:, 0] > _LARGE
         order = np.where(told, halved, np.inf).min(axis=1)
         lost = order < np.where(large, max(p - 1.0, _KEPT * p), _KEPT * p)
-        higher = large & (halved[:, 0] > p + _HIGHER) & ~lost
+        higher = large & told[:, 0] & (halved[:, 0] > p + _HIGHER) & ~lost
         order = np.where(higher, halved[:, 0], order)
         lost |= higher
     if lost.any():

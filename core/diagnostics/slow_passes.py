@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
@@ -13,6 +14,8 @@ __all__ = ["SlowPasses"]
 _SLOW = 0.1
 #: Part of the largest rate of a variable up to which it is no more than round-off, or on its way to that.
 _RESTS = 1e-6
+#: Part of the unit of a rate that may be round-off.
+_ROUNDING = 2.0**-40
 #: Most slow passes that are compared, the slowest of all.
 _MOST = 64
 #: Ratio of the least speeds of two runs up to which both pass alike. Beside a saddle of the plane, the square of that
@@ -37,7 +40,7 @@ class SlowPasses:
             speed, goes_on = self._speed(rates, self._units, part), (ever > least)[:, part].any(axis=1)
             inner, one_segment = speed[1:-1], run.segment[:-2] == run.segment[2:]
             slowest = one_segment & (inner <= speed[:-2]) & (inner < speed[2:]) & (inner <= _SLOW)
-            rows = 1 + np.flatnonzero(slowest & goes_on[1:-1])
+            rows = _minima(speed, run.segment, 1 + np.flatnonzero(slowest & goes_on[1:-1]))
             for row in rows[np.argsort(speed[rows], kind="stable")[:_MOST]].tolist():
                 self._passes.setdefault(row, []).append(part)
         self._times, self._others = (other.t, _rates(other)) if self._passes else (other.t[:0], rates[:0])
@@ -65,6 +68,21 @@ class SlowPasses:
     @staticmethod
     def _speed(rates: Floats, units: Floats, part: list[int]) -> Floats:
         return np.asarray((rates[..., part] / units[..., part]).max(axis=-1))
+
+
+def _minima(speed: Floats, segment: NDArray[np.intp], rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Those of some rows at which a speed is least, before and after which it is higher in the segment.
+
+    It is higher by more than rounding: a speed that is constant in a segment has minima of no meaning.
+    """
+    first, last = (np.searchsorted(segment, segment[rows], side) for side in ("left", "right"))
+    before, after = np.zeros((2, len(rows)), dtype=bool)
+    distance, least = 1, speed[rows] + _ROUNDING
+    while distance < 2 * len(speed):
+        before |= speed[np.maximum(rows - distance, first)] > least
+        after |= speed[np.minimum(rows + distance, last - 1)] > least
+        distance *= 2
+    return rows[before & after]
 
 
 def _independent(run: Trajectory) -> list[list[int]]:

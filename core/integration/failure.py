@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import Enum
 
 import numpy as np
@@ -15,7 +15,7 @@ from core.kernels.arrays import Floats
 from core.system import PiecewiseSystem
 from core.transition.event_location import BOUND
 
-__all__ = ["Growth", "ends_beyond", "ends_here", "growth_of", "pole_ahead"]
+__all__ = ["Growth", "ends_beyond", "ends_here", "growth_of", "pole_ahead", "pole_of_growth"]
 
 _EVALUATIONS = 20_000  #: largest number of evaluations of the field: some seconds
 _AHEAD = (1.0, 3.0, 10.0)  #: distances ahead of a state, relative to it, at which the field is evaluated
@@ -133,6 +133,24 @@ def _nears_a_pole(size: float, rate: float, later_size: float, later_rate: float
     """Whether the rate of growth has grown like a power of the size."""
     far = later_size > math.sqrt(GROWTH) * size
     return far and later_rate > rate * (later_size / size) ** _POWER > 0.0
+
+
+def pole_of_growth(places: Sequence[tuple[float, float]]) -> float:
+    """Time of a pole as the mean rates of growth between three places of a run tell it; nan if they tell none.
+
+    Parameters
+    ----------
+    places : sequence of (float, float)
+        Time and size of the state, at the start and twice later.
+    """
+    (t0, size0), (t1, size1), (t2, size2) = places
+    if not 0.0 < size0 < size1 < size2 < math.inf:
+        return math.nan
+    early, late = abs(t1 - t0), max(abs(t2 - t1), math.ulp(t2))
+    growth = math.log(size2 / size1)
+    if not _nears_a_pole(size0, math.log(size1 / size0) / early, size1, growth / late):
+        return math.nan
+    return t2 + math.copysign(late / growth, t2 - t0)
 
 
 def _pushes_outward(field: Callable[[float, Floats], Floats], t: float, x: Floats) -> bool:

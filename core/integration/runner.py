@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.integration.beginning import Blank
 from core.integration.corner import BEYOND, surfaces_met
-from core.integration.failure import Growth, pole_ahead
+from core.integration.failure import Growth, pole_ahead, pole_of_growth
 from core.integration.growth_loop import UNKNOWN, compiled_follow
 from core.integration.memory import FIELDS, FIRST_HITS
 from core.integration.outcome import cause_of_failure
@@ -47,11 +47,14 @@ _MOST_CORNERS = 16
 _STATUS = {int(status): status for status in Status}
 _RUNNING, _COMPLETED = Status.RUNNING, Status.COMPLETED
 #: Places of the fields of the record that are read or written for every run.
-_T, _T_END, _TAU, _SHIFT, _PENDING, _ASKED, _RECORD, _STEPS, _ROWS, _HITS, _FOUND, _CROWDED, _RETRACTED, _WANTED = (
+(
+    _T, _T_CARRY, _T_END, _TAU, _SHIFT, _PENDING, _ASKED, _RECORD, _STEPS, _ROWS, _HITS, _FOUND, _CROWDED, _RETRACTED,
+    _WANTED,
+) = (
     FIELDS[name]
     for name in (
-        "t", "t_end", "tau", "shift", "pending", "asked", "record", "steps", "rows", "hits", "found", "crowded",
-        "retracted", "wanted",
+        "t", "t_carry", "t_end", "tau", "shift", "pending", "asked", "record", "steps", "rows", "hits", "found",
+        "crowded", "retracted", "wanted",
     )
 )  # fmt: skip
 
@@ -61,6 +64,7 @@ class Runner(Run):
 
     _last_corner, _corners = math.nan, 0
     _full_chunks = 0
+    _look = (-1, math.nan, math.nan)
     _room_for_rows, _room_for_hits = _FIRST_ROWS, FIRST_HITS
 
     def advance(
@@ -79,10 +83,10 @@ class Runner(Run):
             else:
                 if self.wholes[_PENDING] and not self._make_ready(sign):
                     break
-                since, made = self.t, self.wholes[_STEPS]
+                since, carry, made = self.t, self.reals[_T_CARRY], self.wholes[_STEPS]
                 self.status = self._chunk(record, keep_hits)
                 if self.method.adaptive and (made := self.wholes[_STEPS] - made) >= _MANY:
-                    self.recent = abs(self.t - since) / made
+                    self.recent = abs((self.t - since) + (self.reals[_T_CARRY] - carry)) / made
                     if self.status is _RUNNING and made == _CHUNK:
                         self._look_ahead()
                 if self.status in AT_SURFACE:
@@ -109,8 +113,17 @@ class Runner(Run):
             return
         name, size = self.system.laws.name(self.mode), float(np.abs(self.start).max())
         pole = pole_ahead(self.system, name, self.t, self.x, self.t_end, size, self.settings.cancel)
+        pole = self._pole_of_growth(size) if math.isnan(pole) else pole
         if not math.isnan(pole):
             self.status, self.growth, self.pole = Status.ESCAPED, Growth.POLE, pole
+
+    def _pole_of_growth(self, size: float) -> float:
+        """Time of a pole that growth since the last look tells, where the end is out of reach; nan if it tells none."""
+        before, self._look = self._look, (self.crossing_count, self.t, float(np.abs(self.x).max()))
+        far = self.recent * self.settings.max_steps < abs(self.t_end - self.t)
+        if not far or before[0] != self.crossing_count:
+            return math.nan
+        return pole_of_growth([(self.t0, size), before[1:], self._look[1:]])
 
     def _arrive(self, direction: float) -> None:
         """Stop at a surface, or go on from a corner."""

@@ -1,13 +1,14 @@
 """Singularities of a field: zeros of an expression, across which a step would leave the solution's domain of existence.
 
 They are zeros of the bases of negative powers, of the cosine in a tangent, and of logarithms' arguments of which only
-the size counts, as in log(x**2). Other logarithms and real powers have no value beyond the zero of their argument, so
-that a step there has none either. A zero at which the field stays bounded, as that of sin(x)/x, is no singularity;
-neither is one at which the mode ends anyway.
+the size counts, as in log(x**2). Other logarithms and roots have no value beyond the zero of their argument, so that a
+step there has none either. A zero at which the field stays bounded, as that of sin(x)/x, is no singularity;
+neither is one at which the mode ends anyway, if the field can be integrated up to it, as 1/sqrt(x) can.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any, NamedTuple
@@ -31,6 +32,8 @@ _ZERO = 1e-100
 _NEAR, _NEARER = 1e-6, 1e-18
 #: … and their ratio beyond which it is unbounded; that of a logarithm is 3.
 _GROWN = 2.0
+#: Ratio beyond which its integral towards the zero is unbounded, as that of 1/x and not that of 1/sqrt(x).
+_NOT_INTEGRABLE = 0.5 * _NEAR / _NEARER
 #: Distance from a zero, relative to time and state, at which a field is evaluated in place of the zero, …
 BESIDE = 2.0**-44
 #: … and farther distances, at all of which a field keeps its digits, or does not …
@@ -88,7 +91,7 @@ def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], en
     for u in changing:
         there = list(_at_zeros(u, field, ends))
         if not _is_singular(there):
-            if not any(unbounded for unbounded, _ in there):  # else the mode has ended before
+            if not any(growth > _GROWN for growth, _ in there):  # else the mode has ended before
                 removable.append(u)
             continue
         origins = (
@@ -117,7 +120,7 @@ def _vanishing(node: Expr) -> Iterator[Expr]:
     elif isinstance(node, sympy.log):
         yield from _factors(node.args[0], signed=True)
     elif node.is_Pow and node.exp.is_number and node.exp < 0:
-        yield from _factors(node.base, signed=not node.exp.is_Integer)
+        yield from _factors(node.base, signed=not node.exp.is_Integer and bool(node.exp > -1))
 
 
 def _polynomial_factors(u: Expr) -> list[tuple[Expr, Expr]]:
@@ -179,14 +182,14 @@ def is_singular(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
 
 
 def _is_singular(there: Sequence[tuple[bool, bool]]) -> bool:
-    return not there or any(unbounded and not over for unbounded, over in there)
+    return not there or any(growth > (_NOT_INTEGRABLE if over else _GROWN) for growth, over in there)
 
 
-def _at_zeros(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> Iterator[tuple[bool, bool]]:
-    """Whether the field is not bounded at each of several zeros of u, and whether the mode ends there."""
+def _at_zeros(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> Iterator[tuple[float, bool]]:
+    """How far the field grows towards each of several zeros of u, and whether the mode ends there."""
     tape = Tape((*field, *ends))
     for line in islice(_lines_through_zeros(u, tape), _ZEROS):
-        yield _is_unbounded(line, tape, field), _is_over(line, tape, ends)
+        yield _growth(line, tape, field), _is_over(line, tape, ends)
 
 
 def _keeps_digits(u: Expr, field: Sequence[Expr], written: Sequence[Expr]) -> bool:
@@ -208,14 +211,15 @@ def _keeps_digits(u: Expr, field: Sequence[Expr], written: Sequence[Expr]) -> bo
     return True
 
 
-def _is_unbounded(line: _Line, tape: Tape, field: Sequence[Expr]) -> bool:
-    """Whether the field is not bounded at the point of a line; true where it has no value."""
+def _growth(line: _Line, tape: Tape, field: Sequence[Expr]) -> float:
+    """Ratio of the sizes of a field at two distances from the point of a line; infinite where it has no value."""
     many = digits(*_ARITHMETIC)
     try:
         near, nearer = (tape.run(many, line.at(many.context.mpf(s))) for s in (_NEAR, _NEARER))
     except ArithmeticError:
-        return True
-    return any(abs(nearer[tape.place[f]]) > _GROWN * abs(near[tape.place[f]]) for f in field)
+        return math.inf
+    pairs = [(abs(near[tape.place[f]]), abs(nearer[tape.place[f]])) for f in field]
+    return max(float(b / a) if a else math.inf if b else 0.0 for a, b in pairs)
 
 
 def _is_over(line: _Line, tape: Tape, ends: Sequence[Expr]) -> bool:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DELAY, G_END, GUARDS, HEIGHT, KEPT, PROJECT, G, call
+from core.kernels.abi import DELAY, G_END, GUARDS, HEIGHT, KEPT, PROJECT, SINGULAR_FROM, SINGULAR_LENGTH, G, call
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
@@ -74,9 +74,16 @@ def land(context, log, t):
         run.hit += run.shift
     if run.tried != run.hit and not abs(try_step(context, t, run.hit)) < math.inf:
         return False
+    for i in range(x.size):
+        place[i] = x[i]
     accept_step(context)
     if run.shift == 0.0:
-        call(context.functions[run.row + run.guard, PROJECT], t + run.hit, 0.0, context.p, context.w, context.scratch)
+        project = context.functions[run.row + run.guard, PROJECT]
+        if call(project, t + run.hit, 0.0, context.p, context.w, context.scratch) < 0:
+            for i in range(x.size):
+                x[i] = place[i]
+            context.w[SINGULAR_FROM], context.w[SINGULAR_LENGTH] = t, run.hit
+            return False
         run.hit += context.w[DELAY]
         if run.hit * math.copysign(1.0, run.tau) < 0.0:
             run.hit = 0.0  # a start on the surface is not moved back in time

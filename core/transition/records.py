@@ -62,6 +62,10 @@ RUN = np.dtype(
         ("tried", np.float64),  # length of the last trial step
         ("last_hit", np.float64),  # time of the last crossing, or of the start, and its compensation
         ("last_hit_carry", np.float64),
+        ("cluster", np.float64),  # time of the first of the last crossings that rounding of the time does not separate
+        ("cluster_carry", np.float64),
+        ("cluster_half", np.float64),  # what the first half of them has taken
+        ("clustered", np.int64),  # their number
         ("final", np.int64),  # 1: the step ends at t_end
         ("mode", np.int64),  # carried, never read from the sign of g after a crossing; NO_MODE before the first step
         ("row", np.int64),  # row of its first guard

@@ -57,6 +57,8 @@ _EPS = 2.0**-52
 _SHRUNK = 8
 #: … and the sum of the times to come is below this part of the current time.
 _SPENT = 2.0**-52
+#: Crossings of whatever surfaces accumulate, too, if so many lie within this rounding, the later half of them nearer.
+_CLUSTERED = 128
 #: The surface is met against the field if the rate away from it exceeds this part of the rate at the start of the step,
 #: or of the rate with which the mode was entered.
 _AGAINST = 2.0**-7
@@ -218,6 +220,23 @@ def since_visit(run, w, visit):
 
 
 @inlined
+def is_cluster(run):
+    """Count a crossing; returns whether as many as accumulate lie within rounding of now, in whatever order.
+
+    An orbit that spirals into a corner meets each surface at times that shrink from turn to turn, not from one to the
+    next.
+    """
+    since = abs((run.t - run.cluster) + (run.t_carry - run.cluster_carry))
+    if since > _SPENT * abs(run.t) or run.clustered >= _CLUSTERED:
+        run.cluster, run.cluster_carry, run.clustered = run.t, run.t_carry, 0
+        return False
+    run.clustered += 1
+    if run.clustered == _CLUSTERED // 2:
+        run.cluster_half = since
+    return run.clustered == _CLUSTERED and since < 2.0 * run.cluster_half
+
+
+@inlined
 def accumulates(run, w, surface):
     """Update the times between crossings of a surface; returns whether they accumulate within round-off of now (Zeno).
 
@@ -226,11 +245,12 @@ def accumulates(run, w, surface):
     """
     visit = visit_of(surface)
     gap = since_visit(run, w, visit)
+    clusters = is_cluster(run)
     ratio = gap / w[visit + GAP] if w[visit + GAP] > 0.0 else math.inf
     w[visit + SHRINKING] = w[visit + SHRINKING] + 1.0 if ratio < 1.0 else 0.0
     w[visit + GAP], w[visit + LAST], w[visit + LAST_CARRY] = gap, run.t, run.t_carry
     run.last_hit, run.last_hit_carry = run.t, run.t_carry
-    return w[visit + SHRINKING] >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
+    return clusters or (w[visit + SHRINKING] >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio))
 
 
 @internal

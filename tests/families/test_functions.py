@@ -18,8 +18,8 @@ from core.codegen.functions import (
     jump_text,
     levels_texts,
     module_text,
-    project_to_surface_text,
 )
+from core.codegen.projection import project_to_surface_text
 from core.codegen.step import StepCode
 from core.methods.taylor_step import prepare_step_text
 from core.symbolic.expressions import parse

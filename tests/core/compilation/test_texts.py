@@ -17,7 +17,7 @@ def test_a_further_mode_and_a_further_method_write_only_what_is_new(monkeypatch)
         psi_plus=("3*x + 8*y",),
     )
     dmm2, rk2, written = core.METHODS["dmm2"], core.METHODS["rk2"], []
-    for module in ("functions", "step"):
+    for module in ("functions", "projection", "step"):
         monkeypatch.setattr(
             f"core.codegen.{module}.function_text", lambda *a: written.append(a[0]) or function_text(*a)
         )
