@@ -155,8 +155,16 @@ def _height(run: Trajectory, surface: int, t: float, x: Floats) -> float:
     )
 
 
-def _made_again(run: Trajectory, begin: int, t: float, step: float) -> Crossings:
-    """Crossings, up to shortly after time t, of a run by shorter steps from where a segment was entered.
+class _Closer(NamedTuple):
+    """A run with shorter steps."""
+
+    crossings: Crossings
+    end: float
+    """Time up to which it was made: its steps are limited."""
+
+
+def _made_again(run: Trajectory, begin: int, t: float, step: float) -> _Closer:
+    """Run by shorter steps from where a segment was entered, up to shortly after time t.
 
     A variable-step method keeps a smaller tolerance as well.
     """
@@ -166,10 +174,10 @@ def _made_again(run: Trajectory, begin: int, t: float, step: float) -> Crossings
     steps = min(_MORE_STEPS * run.steps, _MOST_STEPS) + _FEW_STEPS  # beyond the end of the run there may be a pole
     runner = Runner(*start, Settings(step, tighter, max_steps=steps, slides=run.slides))
     runner.advance(t + math.copysign(2.0 * step, run.t[-1] - run.t[0]))
-    return runner.crossings()
+    return _Closer(runner.crossings(), runner.t)
 
 
-def _error(run: Trajectory, passage: _Passage, closer: Crossings) -> float:
+def _error(run: Trajectory, passage: _Passage, closer: _Closer) -> float:
     """Estimate of the error of the height of the other surface; inf where that may be met first."""
     order = METHODS[run.method].order
     factor = 1.0 if order is None else 1.0 / (1.0 - 2.0**-order)  # Richardson
@@ -179,15 +187,16 @@ def _error(run: Trajectory, passage: _Passage, closer: Crossings) -> float:
     return factor * error + passage.rounding
 
 
-def _difference(run: Trajectory, passage: _Passage, closer: Crossings) -> float:
+def _difference(run: Trajectory, passage: _Passage, closer: _Closer) -> float:
     """By how much the height of the other surface differs in another run; inf where that meets the other one first.
 
-    A run that does not come near the corner has parted from this one before: it tells nothing here.
+    A run that ends before or does not come near the corner, having parted from this one, tells nothing here.
     """
-    rows = np.flatnonzero(np.abs(closer.x - passage.corner).max(axis=1) <= passage.reach)
-    if not len(rows):
+    others, way = closer.crossings, math.copysign(1.0, run.t[-1] - run.t[0])
+    rows = np.flatnonzero(np.abs(others.x - passage.corner).max(axis=1) <= passage.reach)
+    if not len(rows) or way * (passage.t - closer.end) > run.tau:
         return 0.0
-    row = rows[np.argmin(np.abs(closer.t[rows] - passage.t))]
-    if closer.surface_met[row] != passage.met or closer.kind[row] == "corner":
+    row = rows[np.argmin(np.abs(others.t[rows] - passage.t))]
+    if others.surface_met[row] != passage.met or others.kind[row] == "corner":
         return math.inf
-    return abs(_height(run, passage.near, float(closer.t[row]), closer.x[row]) - passage.height)
+    return abs(_height(run, passage.near, float(others.t[row]), others.x[row]) - passage.height)

@@ -89,6 +89,7 @@ def land(context, log, t):
             run.hit = 0.0  # a start on the surface is not moved back in time
     advance_time(run, run.hit)
     run.taken = run.hit
+    run.longest = max(run.longest, abs(run.hit))
     if run.shift == 0.0:
         for i in range(x.size):
             place[i] = x[i]
