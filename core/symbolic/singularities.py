@@ -181,7 +181,7 @@ def is_singular(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
     return _is_singular(list(_at_zeros(u, field, ends)))
 
 
-def _is_singular(there: Sequence[tuple[bool, bool]]) -> bool:
+def _is_singular(there: Sequence[tuple[float, bool]]) -> bool:
     return not there or any(growth > (_NOT_INTEGRABLE if over else _GROWN) for growth, over in there)
 
 

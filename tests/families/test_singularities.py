@@ -224,3 +224,40 @@ def test_a_quotient_that_is_0_over_0_where_a_step_ends_has_its_limit_there(draws
         run = core.integrate(system, (0.0, end), method=method, **({} if method == "taylor" else {"tau": tau}))
         assert run.status is Status.COMPLETED, f"{text}, a = {a}, tau = {tau}: {run.message}"
         assert abs(run.x[-1, 0] - to) < TRUNCATION.get(method, 1e-6), f"{text}, a = {a}: {run.x[-1]}, not {to}"
+
+
+def pulled_to_the_surface(rng: np.random.Generator, power: float) -> tuple[core.PiecewiseSystem, float]:
+    """A point that is pulled to a line by a force k/sⁿ, s the distance, and the speed with which it gets there."""
+    angle, k, v = rng.uniform(0.0, 2.0 * np.pi), round(rng.uniform(0.5, 2.0), 2), round(rng.uniform(-0.3, 0.5), 2)
+    a, b = (float(u) for u in (round(np.cos(angle), 3), round(np.sin(angle), 3)))
+    offset, size = round(rng.uniform(-0.5, 0.5), 2), float(np.hypot(a, b))
+    g = f"({a!r}*x + ({b!r})*y - ({offset!r}))"
+    force = f"{k!r}*(-{g})**(-{power:g})"
+    pull = tuple(f"({u / size!r})*{force}" for u in (a, b))
+    start = np.array([a, b]) * (offset - 0.8) / size**2
+    system = core.PiecewiseSystem(
+        "Pulled", ("x", "y", "u", "v"), ("u", "v", *pull), ("u", "v", "0", "0"), g,
+        x0=(*map(float, start), v * a / size, v * b / size),
+    )  # fmt: skip
+    work = k * 0.8 ** (1.0 - power) / (1.0 - power) / size if power < 1.0 else np.inf
+    return system, math.sqrt(v * v + 2.0 * work)
+
+
+@pytest.mark.parametrize("method", _PLAIN)
+@pytest.mark.parametrize("power", [1.0, 1.5, 2.0])
+def test_no_run_crosses_a_surface_at_which_the_speed_is_not_bounded(draws, method, power):
+    for rng in draws(4):
+        system, _ = pulled_to_the_surface(rng, power)
+        run = core.integrate(system, (0.0, 5.0), tau=0.01, method=method)
+        assert run.status in _STOPS, f"{system.regions}: {run.message}"
+        assert not len(run.crossings), run.crossings
+        member = core.ensemble(system, (0.0, 5.0), x0=np.array([system.x0]), tau=0.01, method=method)
+        assert list(member.outcomes) == [run.status]
+
+
+def test_a_run_crosses_a_surface_at_which_the_force_is_not_bounded_but_the_speed_is(draws):
+    for rng in draws(6):
+        system, speed = pulled_to_the_surface(rng, 0.5)
+        run = core.integrate(system, (0.0, 5.0), tau=1e-3, method="rk4")
+        assert run.status is Status.COMPLETED, f"{system.regions}: {run.message}"
+        assert np.hypot(*run.x[-1, 2:]) == pytest.approx(speed, rel=0.02)

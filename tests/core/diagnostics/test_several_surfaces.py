@@ -196,3 +196,16 @@ def test_a_field_that_takes_ever_shorter_steps_beyond_the_end_does_not_hold_up_t
     run = core.integrate(system, (0.0, 0.75), method="taylor")
     assert run.message == "t = 0.75: reached the end time."
     assert run.crossings.t == pytest.approx([np.log(2.0)], abs=1e-12)
+
+
+@pytest.mark.parametrize(("first", "second", "coupling"), [(2.89, 1.751, 0.316), (1.66, 1.487, 0.081)])
+def test_surfaces_met_long_after_each_other_are_not_said_to_be_met_at_once(first, second, coupling):
+    """Two leaky integrators that fire at 1 and push each other; their times of firing are 0.003 apart or more."""
+    system = PiecewiseSystem(
+        "Neurons", ("a", "b"), surfaces=("1 - a", "1 - b"), regions={"++": Region(("I - a", "J - b"))},
+        jumps={0: ("0", "b*(1 - k)"), 1: ("a*(1 - k)", "0")}, parameters={"I": first, "J": second, "k": coupling},
+    )  # fmt: skip
+    run = core.integrate(system, (0.0, 50.1), (0.1, 0.2), method="taylor")
+    assert run.warning == ""
+    ends = np.diff(np.concatenate([[0.0], run.crossings.t]))
+    assert run.tau >= 0.99 * ends.max(), "its longest step ends at a crossing"

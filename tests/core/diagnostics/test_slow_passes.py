@@ -74,3 +74,18 @@ def test_what_rests_at_the_end_is_not_said_to_go_on():
         for y in np.linspace(0.6, 0.7, 11)
     ]
     assert all(SLOW not in run.warning for run in (slid, *spirals))
+
+
+@pytest.mark.parametrize(("method", "tau"), [("prk8", 0.1), ("prk8", 0.3), ("dmm4", 0.3), ("dmm8", 0.3)])
+def test_a_speed_that_is_constant_between_walls_is_no_rest_and_its_rounding_no_loss_of_order(method, tau):
+    g, square = "1 - x**2 - y**2", "(x**2 + y**2)"
+    mirror = [f"{u} - 2*(x*u + y*v)*{x}/{square}" for u, x in (("u", "x"), ("v", "y"))]
+    system = core.PiecewiseSystem(
+        "Billiard", ("x", "y", "u", "v"), surfaces=(g,),
+        regions={"+": core.Region(("u", "v", "0", "0"), ("x*v - y*u",))},
+        jumps={0: ("x", "y", *mirror)},
+    )  # fmt: skip
+    for k in range(4):
+        angle, start = 0.77 * k + 0.1, np.random.default_rng(k).uniform(-0.6, 0.6, 2)
+        run = core.integrate(system, (0.0, 600.0), (*start, np.cos(angle), np.sin(angle)), tau=tau, method=method)
+        assert run.warning == "", run.warning

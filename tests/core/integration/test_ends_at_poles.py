@@ -59,3 +59,25 @@ def test_a_limit_of_steps_that_a_higher_one_mends_says_that():
     run = core.integrate("harmonic_oscillator", (0.0, 1000.0), method="taylor", max_steps=300)
     assert run.status is Status.STEP_LIMIT
     assert "raise the limit" in run.message
+
+
+@pytest.mark.parametrize("t_end", [8.0, -8.0])
+def test_so_does_one_whose_pole_only_its_own_growth_tells(t_end):
+    way = "" if t_end > 0 else "-"
+    fields = (
+        f"{way}(1.6*y + 0.06*(2 + sin(y))**1.7 + x*(x**2 + y**2 - 1)/10)",
+        f"{way}(-1.6*x + 3*y*(x**2 + y**2 - 1)/20)",
+    )
+    system = core.PiecewiseSystem("Far", ("x", "y"), fields, fields, "x + 1e6", x0=(0.96, 0.99))
+    run = core.integrate(system, (0.0, t_end), method="taylor")
+    assert run.status is Status.ESCAPED, run.message
+    assert run.steps < 1_000_000
+    told = float(re.search(r"a pole at about t = (-?[\d.]+),", run.message)[1])
+
+    def field(t, x):
+        r2 = x[0] ** 2 + x[1] ** 2 - 1
+        f = 1.6 * x[1] + 0.06 * (2 + np.sin(x[1])) ** 1.7 + x[0] * r2 / 10, -1.6 * x[0] + 3 * x[1] * r2 / 20
+        return np.array(f)
+
+    oracle = scipy.integrate.solve_ivp(field, (0.0, 8.0), (0.96, 0.99), method="LSODA", rtol=1e-8, atol=1e-8)
+    assert abs(told) == pytest.approx(oracle.t[-1], abs=1e-3)

@@ -221,3 +221,22 @@ def test_crossings_at_the_ends_of_steps_but_for_rounding_end_no_run(method):
             assert run.crossings.t == pytest.approx(np.arange(math.ceil(start), start + 60.0), abs=1e-12), case
             if method == "taylor":
                 break
+
+
+#: Constant fields around a corner of three planes, towards which solutions spiral through all but two of its regions.
+SPIRAL = {
+    "+++": ("-8/5", "2/5", "3/10"), "++-": ("-7/10", "3/5", "1"), "+-+": ("17/10", "6/5", "1/5"),
+    "+--": ("2/5", "4/5", "3/5"), "-++": ("-13/10", "-11/10", "-2/5"), "-+-": ("-1/2", "-7/5", "-9/10"),
+    "--+": ("3/10", "-2/5", "-3/5"), "---": ("9/10", "-9/5", "-7/10"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("record", ["steps", "end"])
+@pytest.mark.parametrize("method", [*(m for m in METHODS if m not in CONSERVATIVE), "taylor"])
+def test_a_spiral_into_a_corner_ends_where_its_crossings_accumulate(method, record):
+    regions = {name: core.Region(f) for name, f in SPIRAL.items()}
+    system = core.PiecewiseSystem("Spiral", ("x", "y", "z"), surfaces=("x", "y", "z"), regions=regions)
+    run = core.integrate(system, (0.0, 20.0), (-15 / 97, -13 / 97, 29 / 97), method=method, tau=0.02, record=record)
+    assert run.status is Status.ZENO, run.message
+    assert run.t[-1] == pytest.approx(2.88662003, abs=1e-8)
+    assert run.crossing_count < 1000
