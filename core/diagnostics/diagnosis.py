@@ -25,6 +25,7 @@ from core.diagnostics.encounters import Encounters, encounters
 from core.diagnostics.errors_of_steps import led_astray
 from core.diagnostics.made_again import with_steps
 from core.diagnostics.near_touches import near_touches
+from core.diagnostics.remembered_peaks import remembered_peaks
 from core.diagnostics.resolution import resolvable, unresolved
 from core.diagnostics.scheme import Scheme
 from core.diagnostics.slow_crossings import slow_crossings
@@ -139,10 +140,10 @@ def step_warning(run: Trajectory) -> str:
     The first of `not_undone`: it goes back in time; of `cancelled`: the terms of a law cancel; else of `near_touches`
     with an error of rounding: smaller steps hardly help, and of `unresolved`: steps too long for g or for the field;
     else that of `undecided_corners`, of `slid_into_corners`, of `near_touches`, of `slow_crossings`, of `amplified`, of
-    `led_astray`, or of `Diagnosis.warnings` from the first 256 crossings. A run that has not recorded its steps is
-    judged by its first steps, made again, and, if these are not all and nothing is said of them, by what it has
-    recorded. One whose clock does not resolve its steps is judged by these with the clock set to zero at the start; if
-    the time is named, that is what is said.
+    `led_astray`, of `remembered_peaks`, or of `Diagnosis.warnings` from the first 256 crossings. A run that has not
+    recorded its steps is judged by its first steps, made again, and, if these are not all and nothing is said of them,
+    by what it has recorded. One whose clock does not resolve its steps is judged by these with the clock set to zero at
+    the start; if the time is named, that is what is said.
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
@@ -164,7 +165,8 @@ def _warning_apart_from_clock(run: Trajectory) -> str:
 def _warning(run: Trajectory) -> str:
     judged = run.crossings.first(min(_FIRST, _judged(run)))
     at_surfaces = (undecided_corners(run), slid_into_corners(run), near_touches(run), slow_crossings(run, judged))
-    doubts = chain(*at_surfaces, amplified(run), led_astray(run), near_touches(run, far=True))
+    of_errors = (amplified(run), led_astray(run), remembered_peaks(run))
+    doubts = chain(*at_surfaces, *of_errors, near_touches(run, far=True))
     warnings = (*not_undone(run), *cancelled(run))
     if not warnings:
         touches, coarse = tuple(islice(near_touches(run, rounding=True), 1)), unresolved(run)[:1]
