@@ -158,9 +158,14 @@ class Operations:
         return self.add(("sqrt", *key_of(u)), f"math.sqrt({self.start(u)})", recurrence)
 
     def real_power(self, base: int, exponent: Expr) -> int:
-        """The power w = uᵃ with u w' = a u' w: k u₀ wₖ = Σ (a j uⱼ wₖ₋ⱼ − (k − j) uⱼ wₖ₋ⱼ), k u₀ uₖ aside."""
+        """The power w = uᵃ with u w' = a u' w: k u₀ wₖ = Σ (a j uⱼ wₖ₋ⱼ − (k − j) uⱼ wₖ₋ⱼ), k u₀ uₖ aside.
+
+        With 0 in place of 1/u₀ it gives 1, 0, 0, …, which is u⁰ also where u₀ = 0.
+        """
         u, a = self.nodes[base], self.constant(exponent)
         inverse, slope = self.once("q", base, f"1.0/{u.start}"), self.slope(base)
+        if not exponent.is_number:
+            inverse = self.once(f"p{a}_", base, f"(0.0 if {a} == 0.0 else 1.0/{u.start})")
 
         def recurrence(w: Node) -> str:
             moved, still = (self.sums.product(self.row(n), self.row(w)) for n in (slope, u))

@@ -157,3 +157,19 @@ def test_five_sheets_of_one_surface_are_met_one_by_one_though_a_long_step_hides_
     # x = sin θ rises to 1 and falls: it comes to the sheets, which lie below 0, from above.
     assert run.crossings.x[:, 0] == pytest.approx([a + k * d for k in reversed(sheets)], abs=1e-13)
     assert not run.warning
+
+
+def test_a_power_whose_exponent_is_a_parameter_that_is_zero_is_one_also_where_its_base_vanishes():
+    rng = np.random.default_rng(0)
+    for base in ("x", "y", "(x*y)", "(x**2 + y**2)", "sin(x)"):
+        a, b = rng.uniform(0.5, 2.0, 2)
+        field, plain = ((f"{a}*{u} - y", f"x + {b}*t") for u in (f"{base}**k", "1"))
+        runs = [
+            core.integrate(
+                core.PiecewiseSystem("Power", ("x", "y"), f, f, "x + 100", parameters={"k": 0.0}, x0=(0.0, 0.0)),
+                (0.0, 2.0), method="taylor",
+            )
+            for f in (field, plain)
+        ]  # fmt: skip
+        assert runs[0].status is core.Status.COMPLETED
+        np.testing.assert_allclose(runs[0].x[-1], runs[1].x[-1], rtol=1e-12)
