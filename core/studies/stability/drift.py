@@ -11,13 +11,14 @@ from typing import TypeVar
 import numpy as np
 
 from core.integrate import integrate
-from core.integration.trajectory import Status
+from core.integration.trajectory import Status, Trajectory
 from core.interface.cancelling import Cancel, raise_if
 from core.interface.summary import Brief
 from core.interface.tasks import GivenUp, as_completed
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import Plan
+from core.transition.records import NO_MODE
 
 __all__ = ["Drift", "count", "run"]
 
@@ -67,8 +68,8 @@ class _Piece:
 
     t: float
     x: tuple[float, ...]
-    region: str | None
-    """Name of the region in which it is, where regions have names."""
+    mode: int
+    """Number of the mode in which it is."""
     offset: Floats
     """(m,) change of ψ so far."""
     error: Floats
@@ -94,7 +95,7 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
     )  # fmt: skip
     laws = plan.system.laws
     count = laws.most_conserved_sliding if plan.sliding == "continue" else laws.most_conserved
-    at = [_Piece(plan.t_span[0], plan.x0, None, np.zeros(count), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
+    at = [_Piece(plan.t_span[0], plan.x0, NO_MODE, np.zeros(count), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
     for number, (start, end) in enumerate(pairwise(edges)):
         given_up = GivenUp()
         going = [k for k in range(n) if at[k].status is Status.COMPLETED]
@@ -139,19 +140,29 @@ def _with(items: tuple[Item, ...], k: int, item: Item) -> tuple[Item, ...]:
 def _piece(plan: Plan, method: str, span: tuple[float, float], before: _Piece, steps: int, cancel: Cancel) -> _Piece:
     """Run one piece, from where the one before has ended."""
     most = _ADAPTIVE * steps + _FIRST if METHODS[method].adaptive else steps + _FIRST
+    laws = plan.system.laws
+    region = None if before.mode == NO_MODE else laws.named_region(before.mode)
     part = integrate(
         plan.system, span, before.x, plan.tau, method, max_steps=most, max_crossings=most, transition=plan.transition,
-        sliding=plan.sliding, cancel=cancel, region=before.region,
+        sliding=plan.sliding, cancel=cancel, region=region,
     )  # fmt: skip
     raise_if(cancel)
     x, change = tuple(map(float, part.x[-1])), before.offset + part.accumulated_error()
     change[part.sliding] = np.nan  # while it slides, g takes the place of ψ
     end = np.where(np.isnan(change[-1]), before.offset, change[-1])
-    region = plan.system.laws.named_region(int(part.mode[-1]))
     error = _column_errors(part.t, span, change)
-    return _Piece(
-        float(part.t[-1]), x, region, end, error, part.status, part.outcome, part.crossing_count, part.seconds
-    )
+    met = part.crossing_count - _resumed(part, before.mode, plan.tau)
+    return _Piece(float(part.t[-1]), x, int(part.mode[-1]), end, error, part.status, part.outcome, met, part.seconds)
+
+
+def _resumed(part: Trajectory, mode: int, tau: float) -> bool:
+    """Whether the first thing that a piece meets is the slide during which the one before has ended.
+
+    It begins off the surface by the rounding of a state, in the region there.
+    """
+    if mode < len(part.system.laws.regions) or part.mode[0] == mode or not len(part.crossings):
+        return False
+    return bool(part.crossings.mode[0] == mode and abs(part.crossings.t[0] - part.t[0]) <= tau)
 
 
 def _column_errors(t: Floats, span: tuple[float, float], change: Floats) -> Floats:

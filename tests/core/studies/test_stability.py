@@ -285,6 +285,21 @@ def test_drift_of_a_method_that_chooses_its_steps_reaches_the_same_time():
     assert np.nanmax(drift.error) < 1e-13
 
 
+@pytest.mark.parametrize("method", ["rk2", "rk8"])
+def test_a_slide_that_goes_on_in_the_next_piece_of_a_long_run_counts_once(method):
+    system = core.PiecewiseSystem(
+        "Oblique relay", ("x", "y"), ("1 - 0.1*y", "0.2 - x"), ("-1 - 0.1*y", "0.2 - x - 0.5*y"),
+        "x + 0.4*y - 0.1*sin(t)", x0=(0.1, 0.3),
+    )  # fmt: skip
+    for tau in (0.004, 0.005, 0.006, 0.007):
+        drift = stability_study(
+            system, methods=(method,), tau=tau, steps=1_500, parts="drift", sliding="continue"
+        ).drift
+        run = core.integrate(system, (0.0, 1_500 * tau), tau=tau, method=method, sliding="continue")
+        assert run.sliding[[100, 1000]].all()  # where it is cut
+        assert drift.crossings == (run.crossing_count,)
+
+
 # Beside a tangency ---------------------------------------------------------------------------------------------------
 
 
