@@ -20,6 +20,10 @@ Integers = NDArray[np.int64]
 SHORTEST = 2.0**-46
 """Shortest step that is examined, relative to the time: of a shorter one rounding hides what happens in it."""
 
+SHORTEST_PART = 2.0**-36
+"""The same of less than half a step of fixed size, as beside a crossing: of one shorter than this, the times at both
+ends tell the length to 16 bits only, as of a step that the clock does not resolve (`clock`)."""
+
 NEAR = 2.0**-40
 """Distance between the ends of two steps, as part of a step, at which they are the same."""
 
@@ -47,7 +51,8 @@ class Steps:
         """
         way = -1.0 if run.t[-1] < run.t[0] else 1.0
         h = way * np.clip(way * h, 0.0, np.inf if METHODS[run.method].adaptive else run.tau)
-        long = np.abs(h) > SHORTEST * np.abs(t)
+        whole = METHODS[run.method].adaptive | (np.abs(h) >= 0.5 * run.tau)
+        long = np.abs(h) > np.where(whole, SHORTEST, SHORTEST_PART) * np.abs(t)
         return cls(run, t[long], x[long], mode[long], h[long])
 
     def __len__(self) -> int:

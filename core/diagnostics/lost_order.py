@@ -83,7 +83,8 @@ def _largest(steps: Steps) -> tuple[NDArray[np.intp], _Largest]:
     quarters, eighths = _end(some, 4), _end(some, 8)
     with np.errstate(all="ignore"):
         later = [(np.abs(a - b) / unit).max(axis=1) for a, b in ((halves[rows], quarters), (quarters, eighths))]
-        rounding = ((noise(some) + _ROUNDING * np.abs(some.x)) / unit).max(axis=1)
+        clock = np.abs(np.spacing(some.t) / some.h)[:, None] * np.abs(halves[rows] - some.x)  # of how long a step is
+        rounding = ((noise(some) + _ROUNDING * np.abs(some.x) + clock) / unit).max(axis=1)
     return rows, _Largest(np.column_stack([error[rows], *later]), rounding)
 
 

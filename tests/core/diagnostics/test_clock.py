@@ -37,6 +37,20 @@ def test_where_a_law_names_the_time_the_clock_is_blamed_and_not_the_steps(method
     assert "no step size helps" in run.warning
 
 
+@pytest.mark.parametrize(
+    ("t0", "tau", "k", "m"),
+    [(1.38751e9, 0.0229, 2.26, 0.47), (5.67026e9, 0.0832, 2.65, 0.31), (2.4474e8, 0.0088, 2.27, 0.3)],
+)
+def test_late_steps_that_the_clock_just_resolves_are_judged_as_early_ones(t0, tau, k, m):
+    # Drawn at random: of the first two the order, of the last a step of 1e-5 beside a crossing was in doubt.
+    field = ("y", "-k*sin(x)")
+    system = core.PiecewiseSystem(
+        "Late", ("x", "y"), field, field, "x - m", parameters={"k": k, "m": m}, x0=(1.0, 0.0)
+    )  # fmt: skip
+    for t in (0.0, t0):
+        assert core.integrate(system, (t, t + 7.0), tau=tau, method="rk8").warning == ""
+
+
 def test_an_event_function_names_the_time_as_a_law_does():
     run = core.integrate(spring(), (1e13, 1e13 + 20.0), tau=0.01, method="rk8", events=("sin(t)",))
     assert run.warning.startswith("Times near t = 1e+13 are rounded to 0.002, and tau is 0.01")
