@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit, types
 
 from core.integration.psi_loop import PSI_TYPES, begin_psi, follow_psi, psi_of
+from core.integration.run import SHORTER
 from core.integration.time_loop import march_signature
 from core.kernels.abi import STEP, Frame
 from core.kernels.digest import source_digest
@@ -86,6 +87,16 @@ def is_settled(status, run, jumps):
 def stops_at_surface(status):
     """Whether a run of this status stops at a surface."""
     return status in (_SLIDING, _REPELLING, _GRAZING, _CORNER, _UNDECLARED)
+
+
+@internal
+def is_getting_shorter(status, run, since, made, budget):
+    """Whether a call of the loop that made all its steps went so short a way that a pole may lie ahead.
+
+    `Runner` looks for it; no step of fixed size enters `longest`.
+    """
+    steps = run.steps - made
+    return status == _RUNNING and steps == budget and abs(run.t - since) < SHORTER * steps * run.longest
 
 
 @internal
@@ -196,12 +207,12 @@ def compiled_members() -> Callable[..., int]:
                     break
                 if run.pending == 1 and (run.asked != 0 or functions[run.row, STEP] == 0):
                     return ASKS
-                part = min(budget, max_steps - run.steps)
+                part, since, made = min(budget, max_steps - run.steps), run.t, run.steps
                 status = march(
                     functions, guards, records, p[k], w, d, scratch, nodes, pieces, part,
                     rows, rows_x, hits, places, envelope, samples, looks, passes, events, found, found_x, v, series,
                 )  # fmt: skip
-                if run.crowded == 1:
+                if run.crowded == 1 or is_getting_shorter(status, run, since, made, budget):
                     return ASKS
                 if wanted[0].events == 1:
                     count = keep(run.found, wanted[0], found, found_x, 0, kept, kept_places, counters)

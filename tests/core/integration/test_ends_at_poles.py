@@ -81,3 +81,13 @@ def test_so_does_one_whose_pole_only_its_own_growth_tells(t_end):
 
     oracle = scipy.integrate.solve_ivp(field, (0.0, 8.0), (0.96, 0.99), method="LSODA", rtol=1e-8, atol=1e-8)
     assert abs(told) == pytest.approx(oracle.t[-1], abs=1e-3)
+
+
+@pytest.mark.parametrize("field", ["y**2 + sin(y)", "y**2 + sin(y**2)", "y**1.5 + sin(y**2)", "y**2 + cos(y)*y"])
+def test_members_of_an_ensemble_end_soon_before_such_a_pole_as_single_runs_do(field):
+    x0 = np.random.default_rng(0).uniform(0.5, 2.0, (3, 1))
+    found = core.ensemble(growing(field), (0.0, 6.0), x0=x0, method="taylor", max_steps=600_000)
+    for k, x in enumerate(x0):
+        run = core.integrate(growing(field), (0.0, 6.0), tuple(x), method="taylor", record="end", max_steps=600_000)
+        assert Status(int(found.status[k])) is run.status is Status.ESCAPED
+        assert (found.t[k], *found.x[k]) == (run.t[-1], *run.x[-1])
