@@ -219,7 +219,7 @@ class _Search:
     def is_slight(self, place: _Place, least: _Least, far: bool) -> bool:
         """Whether the least height may be within the error of the run, and is reached within few steps, or more."""
         near = abs(place.t - least.t) <= _NEAR * self.longest
-        near &= (_LEADS[0] if far else 0.0) < self.lead(least) / self.longest <= _LEADS[far]
+        near &= (_LEADS[0] if far else 0.0) < self.lead(place, least) / self.longest <= _LEADS[far]
         told = self.run.status in _TOUCHES and abs(self.run.t[-1] - least.t) <= self.longest
         if not near or told or abs(least.height) > _GROWTH * self.local_error(place, least):
             return False
@@ -241,10 +241,23 @@ class _Search:
         wanted, p = (height, rounding_bound(height)), run.system.parameter_array
         return laws.evaluate(("heights", place.mode, place.guard), wanted, run.t, run.x, p)
 
-    def lead(self, least: _Least) -> float:
-        """Time before the least height at which another run is compared: the height is some times as large then."""
+    def lead(self, place: _Place, least: _Least) -> float:
+        """Time before the least height at which another run is compared: the height is some times as large then.
+
+        Where a parabola with the bend at the least height is too flat to tell, as of (x - a)³, heights themselves do.
+        """
         apart = _LATER * self.longest if METHODS[self.run.method].adaptive else self.longest
-        return max(2.0 * math.sqrt(2.0 * (abs(least.height) + least.noise) / least.bend), apart)
+        several = 4.0 * (abs(least.height) + least.noise)
+        by_bend, most = math.sqrt(2.0 * several / least.bend), _LEADS[1] * self.longest
+        if by_bend <= most:
+            return max(by_bend, apart)
+        lead = apart
+        while lead <= most:
+            height, _, _ = self.height(place, least.t - self.way * lead - place.t)
+            if height - least.height >= several:
+                return lead
+            lead *= 2.0
+        return by_bend
 
     def local_error(self, place: _Place, least: _Least) -> float:
         """What the errors of a step, and its rounding, add up to over all steps, as an error of the height."""
@@ -262,7 +275,7 @@ class _Search:
         """
         if self.run.steps > _MOST_STEPS:
             return self.local_error(place, least)
-        before = max(self.lead(least) - self.way * (least.t - place.t), 0.0)
+        before = max(self.lead(place, least) - self.way * (least.t - place.t), 0.0)
         t = place.t - self.way * min(before, 0.5 * since)
         here = self.after(place, t - place.t)
         if (there := self.same_place(place.mode, t, here)) is None:

@@ -100,3 +100,19 @@ def test_a_touch_at_the_end_of_a_step_is_told(method, tau, beyond):
     for n in range(1, 16):
         run = core.integrate(system, (0.0, n * tau + 1.0), (-n * tau, -((n * tau) ** 2)), tau, method)
         assert run.status is core.Status.GRAZING or WORDS in run.warning, f"{n} steps before it: {run.message}"
+
+
+@pytest.mark.parametrize("power", [3, 5])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_touch_of_a_power_of_the_distance_is_told_of_the_longest_steps(power, seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(12):
+        w, r, phase = rng.uniform(0.5, 2.0), rng.uniform(0.5, 2.0), rng.uniform(-2.0, 2.0)
+        x0, end = (r * np.cos(phase), -w * r * np.sin(phase)), (2.0 + 2.0 * np.pi * (phase > 0.0)) / w
+        for a, told in ((float(np.hypot(x0[0], x0[1] / w)), True), (1.3 * r, False)):
+            system = core.PiecewiseSystem(
+                "Touch", ("x", "y"), ("y", "-w**2*x"), ("y", "-w**2*x - 1"), f"(x - a)**{power}",
+                parameters={"w": w, "a": a}, x0=x0,
+            )  # fmt: skip
+            run = core.integrate(system, (0.0, 1.3 * end), method="taylor")
+            assert bool(run.warning) is told, (w, x0, run.message)
