@@ -1,8 +1,8 @@
 """Derivatives as sympy writes them, but for products by the zero derivative of what does not move, and for powers.
 
 For each of these products sympy asks whether the other factors are finite; where one is tanh of a sum of symbols, of
-which it does not know that they are real, it may take minutes to answer. And the derivative of (−x)ᵖ it writes as
-p (−x)ᵖ/x, which is not a number at x = 0.
+which it does not know that they are real, it may take minutes to answer. And the derivatives of (−x)ᵖ, and of xᵏ where
+k is a symbol, it writes as p (−x)ᵖ/x and k xᵏ/x, which are not numbers at x = 0.
 """
 
 from __future__ import annotations
@@ -50,7 +50,8 @@ def _slope(u: Expr, parts: list[Expr]) -> Expr:
         return Add(*(Mul(*u.args[:k], part, *u.args[k + 1 :]) for k, part in moving))
     if u.is_Pow:
         base, exponent = u.args
-        if base.is_Mul and not exponent.free_symbols:  # of another base sympy itself combines the powers
+        # The powers of another base sympy itself combines, if the exponent is a number.
+        if parts[1] == 0 and (base.is_Mul or exponent.free_symbols):
             return exponent * base ** (exponent - 1) * parts[0]
         return u * Add(*(part * log(base) if k else part * exponent / base for k, part in moving))
     return Add(*(u.fdiff(k + 1) * part for k, part in moving))
