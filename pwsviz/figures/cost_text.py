@@ -10,6 +10,7 @@ import numpy as np
 import core
 from core.interface import processor
 from core.studies import CANCELLED, DONE, EXTERNAL_SOLVERS, WAITING, CostCurve
+from pwsviz.figures.style import FAINT
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import printed
@@ -37,9 +38,6 @@ MEANING: Mapping[str, str] = {
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 """Errors for which the table names the cheapest integrators."""
-
-FAINT = 128.0
-"""Part of the level of round-off at which smaller errors and exact zeros are drawn, as ε/8 is to 16ε."""
 
 NONE = "–"
 """In place of an integrator where none reaches an error."""

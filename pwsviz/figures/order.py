@@ -14,12 +14,13 @@ from bokeh.models import ColumnDataSource, DataRange1d, Scatter
 from numpy.typing import ArrayLike, NDArray
 
 import core
+from core.studies import FIT_ABOVE
 from pwsviz.figures.colours import GREY, GROUND
 from pwsviz.figures.conserved import NOWHERE
 from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
 from pwsviz.figures.lines import line_of
 from pwsviz.figures.slope_names import name_slopes
-from pwsviz.figures.style import fit_to_corners, lowest, mark_levels, plain_figure
+from pwsviz.figures.style import BELOW_RANGE, FAINT, fit_to_corners, lowest, mark_levels, plain_figure
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import printed
@@ -45,6 +46,9 @@ TIME_ERROR = ("crossing-time error", "|t* − t̂|")
 
 ABOVE = "fits above"
 """Name of the line above which errors enter the fits."""
+
+BELOW = "inverted_triangle"
+"""Marker of an error below the plot, at its lower end."""
 
 APART = 100.0
 """Ratio of two such limits from which on both have room for a name."""
@@ -132,6 +136,12 @@ def limits(shown: Sequence[Studied]) -> tuple[Row, Row] | None:
     rows = [row for one in shown for row in one.rows if np.isfinite(row.fit_above)]
     ordered = sorted(rows, key=lambda row: row.fit_above)
     return (ordered[0], ordered[-1]) if ordered else None
+
+
+def lower_end(shown: Sequence[Studied]) -> float:
+    """Return the lower end of a plot of errors, at which smaller ones are drawn: so far below round-off as in Cost."""
+    found = limits(shown)
+    return ((found[0].fit_above / FIT_ABOVE if found else 0.0) or MACHINE_EPSILON) / FAINT
 
 
 def filling_after(k: int) -> float:
@@ -265,7 +275,7 @@ class OrderView:
         plot = self.figure
         self.guides = ColumnDataSource({"xs": [], "ys": []})
         plot.multi_line("xs", "ys", source=self.guides, color=GREY, line_dash="dotted", line_width=1.5)
-        self.floor = mark_levels(plot, {1e-15: ABOVE, NOWHERE: ""})
+        self.floor = mark_levels(plot, {1e-15: ABOVE, 2 * NOWHERE: "", NOWHERE: BELOW_RANGE})
 
     def _curve_glyphs(self) -> None:
         plot = self.figure
@@ -282,7 +292,7 @@ class OrderView:
         # What the marks of several integrators stand for is told in a colour of none of them.
         grey: dict[str, Any] = {"marker": "circle", "size": MARK, "fill_color": GREY, "line_color": GREY}
         keys_of_marks = plot.add_glyph(self.points, Scatter(x="nowhere", y="nowhere", fill_alpha="filling", **grey))
-        self.guide_names = name_slopes(plot, self.guides, self.curves)
+        self.guide_names = name_slopes(plot, self.guides, self.curves, self.points)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         under = legend_marks(plot, self.curves, MARK, fill_color=GROUND)
         keys = legend_marks(plot, self.curves, MARK, fill_alpha="filling")
@@ -292,11 +302,12 @@ class OrderView:
     def show(self, shown: Sequence[Studied]) -> None:
         """Draw the studies of one integrator or of several."""
         several = len(shown) > 1
-        rows = [_Drawn(one, k, several) for one in shown for k in range(len(one.rows))]
+        bottom = lower_end(shown)
+        rows = [_Drawn(one, k, several, bottom) for one in shown for k in range(len(one.rows))]
         drawn = [one for one in rows if one.there.any()] or rows  # a curve without a point has no key, either
         self.curves.data = {
             "xs": [one.taus for one in drawn],
-            "ys": [np.where(one.there, one.row.error, np.nan) for one in drawn],  # NaN leaves a gap
+            "ys": [np.where(one.below, np.nan, one.drawn_at) for one in drawn],  # NaN leaves a gap
             "colour": [one.line.colour for one in drawn],
             "dash": [list(one.line.dash) for one in drawn],
             "label": [one.label for one in drawn],
@@ -307,10 +318,10 @@ class OrderView:
         counts = [int(one.there.sum()) for one in drawn]
         self.points.data = {
             "x": np.concatenate([one.taus[one.there] for one in drawn]),
-            "y": np.concatenate([one.row.error[one.there] for one in drawn]),
+            "y": np.concatenate([one.drawn_at[one.there] for one in drawn]),
             "nowhere": np.full(sum(counts), np.nan),
             "colour": np.repeat([one.line.colour for one in drawn], counts),
-            "marker": np.repeat([one.line.marker for one in drawn], counts),
+            "marker": np.concatenate([one.markers[one.there] for one in drawn]),
             "label": np.repeat([one.row.short for one in drawn], counts),
             "filling": np.repeat([one.row.filling for one in drawn], counts),
         }
@@ -323,28 +334,33 @@ class OrderView:
             "colour": [colour for _, colour in known],
         }
         self._fit.visible = bool(known)
-        floor = self._show_limits(shown)
-        self._show_guides(drawn, floor, guide_slopes(shown) if known else [])
+        below = any(one.below.any() for one in drawn)
+        floor = self._show_limits(shown, bottom if below else NOWHERE)
+        heights = np.concatenate([one.drawn_at[one.there] for one in drawn])
+        end = bottom / 2 if below else lowest(heights, floor)
+        self._show_guides(drawn, (end, ROOM * float(heights.max(initial=floor))), guide_slopes(shown) if known else [])
 
-    def _show_limits(self, shown: Sequence[Studied]) -> float:
-        """Draw the least and the greatest error above which a fit begins, and return the least."""
+    def _show_limits(self, shown: Sequence[Studied], bottom: float) -> float:
+        """Draw the least and, if far above, the greatest error above which a fit begins, and return the least.
+
+        The lower end, at which smaller errors are drawn, is marked besides.
+        """
         found = limits(shown)
         if found is None:
-            self.floor.move(NOWHERE, NOWHERE)
+            self.floor.move(NOWHERE, NOWHERE, bottom)
             return MACHINE_EPSILON
         least, greatest = found
-        same = least.fit_above == greatest.fit_above
         apart = greatest.fit_above > APART * least.fit_above
-        names = [f"{ABOVE}:\n{row.short}" if apart else ABOVE * (row is greatest or same) for row in found]
-        self.floor.names.args = {**self.floor.names.args, "names": names}
-        self.floor.move(least.fit_above, NOWHERE if same else greatest.fit_above)
+        names = [f"{ABOVE}:\n{row.short}" for row in found] if apart else [ABOVE, ""]
+        self.floor.names.args = {**self.floor.names.args, "names": [*names, BELOW_RANGE]}
+        self.floor.move(least.fit_above, greatest.fit_above if apart else NOWHERE, bottom)
         return least.fit_above
 
-    def _show_guides(self, drawn: list[_Drawn], floor: float, slopes: Sequence[int]) -> None:
+    def _show_guides(self, drawn: list[_Drawn], ends: tuple[float, float], slopes: Sequence[int]) -> None:
         """Draw lines of these slopes, each above the curves that are about as steep, and end the axes with the data."""
-        errors = np.concatenate([one.row.error[one.there] for one in drawn])
-        top, bottom = ROOM * float(errors.max(initial=floor)), lowest(errors, floor)
-        used = np.concatenate([one.taus[one.there] for one in drawn] if len(errors) else [one.taus for one in drawn])
+        bottom, top = ends
+        taken = [one.taus[one.there] for one in drawn]
+        used = np.concatenate(taken if any(map(len, taken)) else [one.taus for one in drawn])
         near, far = float(used.min()), float(used.max())
         powers = np.array(slopes, dtype=float)
         above = [ROOM * max((one.height(slope, far) for one in drawn), default=0.0) for slope in slopes]
@@ -353,11 +369,11 @@ class OrderView:
         right = far * (upper / at_far) ** (1 / powers)
         left = np.maximum(near, right * (bottom / upper) ** (1 / powers))
         heights = upper * (left / right) ** powers
-        ends = {"x": right, "y": upper}  # until the browser has found places
-        self.guide_names.data = {**ends, "text": [f"slope {slope}" for slope in slopes]}
+        # Until the browser has found places, names stand at the upper ends.
+        self.guide_names.data = {"x": right, "y": upper, "text": [f"slope {slope}" for slope in slopes]}
         self.guides.data = {
-            "xs": [np.array(ends) for ends in zip(left, right, strict=True)],
-            "ys": [np.array(ends) for ends in zip(heights, upper, strict=True)],
+            "xs": [np.array(pair) for pair in zip(left, right, strict=True)],
+            "ys": [np.array(pair) for pair in zip(heights, upper, strict=True)],
         }
         self.corners.data = {"x": [near, far], "y": [bottom, top]}
 
@@ -365,11 +381,16 @@ class OrderView:
 class _Drawn:
     """The drawn form of one curve: its look, and where it has a point."""
 
-    def __init__(self, one: Studied, k: int, several: bool) -> None:
+    def __init__(self, one: Studied, k: int, several: bool, bottom: float) -> None:
         self.taus, self.row = one.taus, one.rows[k]
         self.line = line_of(one.method)
         self.label = one.label if several else self.row.label
-        self.there = np.isfinite(self.row.error) & (self.row.error > 0)
+        error = self.row.error
+        self.there = np.isfinite(error) & bool((error > 0).any())  # a curve of zeros is not drawn
+        self.below = self.there & (error < bottom)
+        self.drawn_at: Floats = np.where(self.there, np.maximum(error, bottom), np.nan)
+        """(m,) errors as drawn, those below the plot at its lower end, and NaN for a gap."""
+        self.markers = np.where(self.below, BELOW, self.line.marker)
 
     def height(self, slope: int, tau: float) -> float:
         """Return the error at τ on the lowest line above the fitted part, if that is about as steep, else 0."""

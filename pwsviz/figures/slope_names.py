@@ -33,7 +33,10 @@ const [letters, font] = ["text_font_size", "text_font"].map(name => glyph[name].
 pen.font = `${letters} ${font}`
 const high = parseFloat(letters)
 const placeNames = () => {
-  const lines = drawn(guides), taken = drawn(lines_drawn).map(points), data = { ...labels.data, x: [], y: [] }
+  const lines = drawn(guides), data = { ...labels.data, x: [], y: [] }
+  const marked = Array.from(marks.data.x, (x, k) =>
+    [place(across, x, frame.width), place(up, marks.data.y[k], frame.height)])
+  const taken = [...drawn(lines_drawn).map(points), marked]
   const names = []
   lines.forEach((line, k) => {
     const [[x0, y0], [x1, y1]] = line, long = pen.measureText(labels.data.text[k]).width
@@ -63,7 +66,9 @@ if (frame?.width > 0 && guides.data.xs.length == labels.data.text.length && Numb
 """JavaScript run when other lines are drawn or other parts of the plane are seen."""
 
 
-def name_slopes(plot: figure, guides: ColumnDataSource, curves: ColumnDataSource) -> ColumnDataSource:
+def name_slopes(
+    plot: figure, guides: ColumnDataSource, curves: ColumnDataSource, marks: ColumnDataSource
+) -> ColumnDataSource:
     """Let lines in a logarithmic plot have names, and return the source of these, with their texts.
 
     Parameters
@@ -74,12 +79,15 @@ def name_slopes(plot: figure, guides: ColumnDataSource, curves: ColumnDataSource
         The lines to be named, each from its lower left to its upper right end.
     curves : ColumnDataSource
         The curves, near which no name is to stand.
+    marks : ColumnDataSource
+        Marks x, y, near which none is to stand either.
     """
     names = ColumnDataSource({"x": [], "y": [], "text": []})
     look: dict[str, Any] = {"text_color": GREY, "text_font_size": "12px", "x_offset": -6}
     texts = plot.add_glyph(names, Text(text_align="right", text_baseline="bottom", **look))
-    args = {"labels": names, "guides": guides, "lines_drawn": curves, "glyph": texts.glyph, "plot": plot.id}
-    place = CustomJS(args={**args, "ranges": list(ranges(plot)), "size": None}, code=PLACE_NAMES)
+    given = {"guides": guides, "lines_drawn": curves, "marks": marks}
+    args = {"labels": names, "glyph": texts.glyph, "plot": plot.id}
+    place = CustomJS(args={**given, **args, "ranges": list(ranges(plot)), "size": None}, code=PLACE_NAMES)
     texts.tags = [place]  # for pictures, in whose frames there is room elsewhere
     plot.js_on_change("inner_width", place)
     plot.js_on_change("inner_height", place)

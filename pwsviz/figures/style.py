@@ -64,6 +64,9 @@ FRAME = 0.25
 NEAR_ROUND_OFF = 100.0
 """Ratio of the least error to the level of round-off up to which an axis goes down to that level."""
 
+FAINT = 128.0
+"""Part of the level of round-off at which smaller errors and exact zeros are drawn, as ε/8 is to 16ε."""
+
 TIP_CSS = """
 .bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
               border-color: var(--mui-palette-divider, #808080); opacity: 1; }

@@ -11,7 +11,7 @@ import core
 from core.studies import FIT_ABOVE, FIT_BELOW
 from pwsviz.figures.colours import on_either_ground
 from pwsviz.figures.lines import line_of
-from pwsviz.figures.order import Row, Studied, limits
+from pwsviz.figures.order import Row, Studied, limits, lower_end
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import has_bare
 from pwsviz.results.run_summary import Summary
@@ -181,15 +181,15 @@ def fit_rule(shown: Sequence[Studied]) -> str:
     if [len(drawn)] == [len(names) for names in without.values()]:
         (why,) = without
         none = f"No slope is fitted, as {why}" + f" {between}" * (why == _TOO_FEW)
-        return ". ".join([none, *_not_drawn(drawn)])
+        return ". ".join([none, *_not_drawn(drawn, lower_end(shown))])
     if len(drawn) == sum(map(len, without.values())):
         each = [f"No slope is fitted {listed(names)}, as {why}" for why, names in without.items()]
-        return ". ".join([*each, *_not_drawn(drawn)])
+        return ". ".join([*each, *_not_drawn(drawn, lower_end(shown))])
     fitted = [f"Slopes are least-squares fits to errors {between}", *_reach(shown)]
     fitted += [_IRREGULAR] * any("±" in row.slope_text for _, row in drawn)
     reasons = [(names, why + " between these limits" * (why == _TOO_FEW)) for why, names in without.items()]
     unfitted = [f"No slope is fitted {listed(names)}, as {why}" for names, why in reasons]
-    return ". ".join([*fitted, *unfitted, *_not_drawn(drawn)])
+    return ". ".join([*fitted, *unfitted, *_not_drawn(drawn, lower_end(shown))])
 
 
 def all_fitted(shown: Sequence[Studied]) -> bool:
@@ -197,13 +197,13 @@ def all_fitted(shown: Sequence[Studied]) -> bool:
     return all(math.isfinite(row.slope) for one in shown for row in one.rows)
 
 
-def _not_drawn(drawn: Sequence[tuple[str, Row]]) -> Iterator[str]:
-    """Yield why points or curves are missing, if some are."""
+def _not_drawn(drawn: Sequence[tuple[str, Row]], end: float) -> Iterator[str]:
+    """Yield why points or curves are missing, or at the lower end of the plot, if some are."""
     exact = [name for name, row in drawn if all(error == 0 for error in row.error)]
     if exact:
         yield f"The errors {listed([re.sub('^to ', 'of ', name) for name in exact])} are 0 and are not drawn"
-    if any(error == 0 for name, row in drawn if name not in exact for error in row.error):
-        yield "Errors that are 0 have no point"
+    if any(error < end for name, row in drawn if name not in exact for error in row.error):
+        yield "Errors of 0 or below the plot’s range are drawn as downward triangles"
     if any(not math.isfinite(error) for _, row in drawn for error in row.error):
         yield _GAPS
 

@@ -7,6 +7,8 @@ import pytest
 from scipy.stats import linregress
 
 import core
+from core.studies import FIT_ABOVE
+from pwsviz.figures.conserved import NOWHERE
 from pwsviz.figures.lines import line_of
 from pwsviz.figures.order import (
     OrderView,
@@ -20,6 +22,7 @@ from pwsviz.figures.order import (
     studied,
     time_rows,
 )
+from pwsviz.figures.style import BELOW_RANGE, FAINT
 from pwsviz.figures.summaries import slopes_text, study_text
 from pwsviz.results.requests import study_inputs
 from pwsviz.results.results import Results
@@ -34,7 +37,7 @@ def test_order_plot_has_a_curve_and_a_fit_for_each_number_of_crossings():
         view.show(studied(studies, rows))
         assert len(view.curves.data["xs"]) == len(view.fits.data["xs"]) == count
         above = [row.fit_above for row in rows(studies[0])]
-        assert view.floor.ticker.ticks == [min(above), max(above)]
+        assert view.floor.ticker.ticks == [min(above), NOWHERE, NOWHERE], "limits are alike, and no error is below"
         assert all("slope 2.0" in label or "slope 1.9" in label for label in view.curves.data["label"])
 
 
@@ -141,6 +144,22 @@ def test_the_axis_of_errors_goes_down_to_round_off_only_where_that_is_near(floor
     assert min(guide.min() for guide in view.guides.data["ys"]) >= end * (1 - 1e-9)
 
 
+def test_errors_far_below_round_off_are_drawn_at_the_lower_end_and_stretch_no_axis():
+    taus, floor = np.geomspace(0.1, 0.001, 6), 5e-14
+    error = np.array([1e-2, 1e-6, 1e-10, 1e-14, 1e-19, 0.0])
+    view, exact = OrderView("error"), Row("y", "y", np.zeros(6), np.nan, (np.nan, np.nan), floor)
+    shown = one_curve(taus, Row("x", "x", error, 2.0, (0.01, 0.1)), floor)
+    view.show([shown._replace(rows=[*shown.rows, exact])])
+    end = floor / FIT_ABOVE / FAINT
+    assert view.points.data["y"].tolist() == [*error[:4], end, end], "a curve of zeros has no points"
+    assert [marker == "inverted_triangle" for marker in view.points.data["marker"]] == [False] * 4 + [True] * 2
+    assert np.isnan(view.curves.data["ys"][0]).tolist() == [False] * 4 + [True] * 2, "no line leads there"
+    assert view.corners.data["y"][0] == end / 2
+    assert (view.floor.ticker.ticks[2], view.floor.names.args["names"][2]) == (end, BELOW_RANGE)
+    assert "Errors of 0 or below the plot’s range are drawn as downward triangles" in study_text([shown], early=False)
+    assert order_tables([shown])["errors"]()["error"].tolist() == error.tolist(), "numbers are told as they are"
+
+
 def test_missing_errors_leave_gaps_and_no_fit():
     taus = np.array([0.1, 0.05, 0.025])
     row = Row("late", "late", np.array([np.nan, np.nan, 1e-3]), np.nan, (np.nan, np.nan))
@@ -194,14 +213,15 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
 def test_where_round_off_grows_the_least_and_the_greatest_limit_of_a_fit_are_told_and_drawn():
     taus, names = np.geomspace(0.1, 0.01, 6), ("before", "after 9", "after 20")
     for above, marked in (
-        ((1e-13, 3e-11, 2e-9), ["fits above:\nbefore", "fits above:\nafter 20"]),
-        ((1e-13, 3e-13, 2e-13), ["", "fits above"]),
+        ((1e-13, 3e-11, 2e-9), {1e-13: "fits above:\nbefore", 2e-9: "fits above:\nafter 20"}),
+        ((1e-13, 3e-13, 2e-13), {1e-13: "fits above"}),
     ):
         rows = [Row(name, name, taus**2, 2.0, (0.01, 0.1), limit) for name, limit in zip(names, above, strict=True)]
         view, shown = OrderView("error"), Studied("rk2", 2, taus, rows, "exact")
         view.show([shown])
-        assert view.floor.ticker.ticks == [min(above), max(above)]
-        assert view.floor.names.args["names"] == marked
+        seen = dict(zip(view.floor.ticker.ticks, view.floor.names.args["names"], strict=True))
+        seen.pop(NOWHERE)
+        assert seen == marked, "each line has a name"
         told = study_text([shown], early=False)
         assert (
             f"fits to errors above a limit between {rounded(min(above))} and {rounded(max(above))}, depending on the "
