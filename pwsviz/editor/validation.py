@@ -92,6 +92,9 @@ class _LeftSide(NamedTuple):
     shown: str
 
 
+#: A text as Python quotes it in a message of `core`: between double quotes if it has single ones.
+_QUOTED = re.compile(r"""'((?:[^'\\]|\\.)*)'|"([^"]*'[^"]*)\"""")
+
 _T = TypeVar("_T")
 
 
@@ -136,7 +139,7 @@ class _Check:
 
     def complain(self, name: str, words: str) -> None:
         """Add a complaint about a field, as a sentence."""
-        words = re.sub(r"'([^']*)'", r"“\1”", self.typed.message(on_page(words)))
+        words = _QUOTED.sub(_in_quotes, self.typed.message(on_page(words)))
         words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
         self.complaints.setdefault(name, []).append(words if words.endswith((".", "…")) else f"{words}.")
 
@@ -356,6 +359,12 @@ def _parameter_maths(parameter: core.Parameter) -> str:
         low, high = (markup(constant(end)) for end in ends)
         within = f"<mo>∈</mo><mrow><mo>[</mo>{low}<mo>,</mo>{high}<mo>]</mo></mrow>"
     return equation(*_LeftSide(parameter.name, name_markup(parameter.symbol)), value, more=within)
+
+
+def _in_quotes(found: re.Match[str]) -> str:
+    """Return a quoted text in the quotes of the page, with its own as they were typed."""
+    text = found[2] or found[1].replace("\\'", "'")
+    return f"“{text}”"
 
 
 def _capital(words: str) -> str:

@@ -1,5 +1,6 @@
 """Texts of a person's own system: what is read, what is complained of, and that no text hangs or breaks anything."""
 
+import re
 from dataclasses import fields, replace
 from xml.etree import ElementTree
 
@@ -512,3 +513,10 @@ def test_powers_and_products_are_taken_as_people_type_them_and_shown_as_read():
     assert "0.25" in checked.maths["x0"]
     assert check(OSCILLATOR).maths["x0"] == ""
     assert "f_minus" in check(typed).complaints, "x(1 + y) could be a function"
+
+
+@pytest.mark.parametrize("text", ["unknown", "__import__('os')", '__import__("os")', "f('a') + \"b\"", "x'"])
+def test_a_complaint_quotes_a_text_as_it_was_typed(text):
+    words = check(replace(OSCILLATOR, g=text)).complaints["g"]
+    assert words.startswith(f"g = “{text}”: ")
+    assert not re.search('"“|”"|\\\\', words)
