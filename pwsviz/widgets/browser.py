@@ -50,28 +50,36 @@ const find = (node, chosen) => {
 """
 """JavaScript function that finds an element in the page and all its shadow trees."""
 
-NAME_MENU = """
-// Call the button with three bars as people do, who may speak its name: “menu” in place of “drawer”.
-let looks = 0
-const name_menu = () => {
-  const button = find(document, "button[aria-label$=drawer]")
-  if (button == null) { if (looks++ < 300) { setTimeout(name_menu, 100) }; return }
-  find(document, "nav:not([aria-label])")?.setAttribute("aria-label", "Controls")
-  const say = () => {
-    const name = button.getAttribute("aria-label"), better = name.replace("drawer", "menu")
-    if (better != name) { button.setAttribute("aria-label", better) }
-  }
-  new MutationObserver(say).observe(button, { attributeFilter: ["aria-label"] })
-  say()
+NAME_BUTTONS = """
+// Call the button with three bars as people do, who may speak its name: “menu” in place of “drawer”; and that of the
+// theme by what a click does.
+const name_button = (ending, name, looks = 0) => {
+  const button = find(document, `button[aria-label$=${ending}]`)
+  if (button == null) { if (looks < 300) { setTimeout(name_button, 100, ending, name, looks + 1) }; return }
   const root = button.getRootNode()  // its tip is made anew at each visit of the pointer
   const say_tip = () => root.querySelectorAll("[role=tooltip] > *").forEach(({ firstChild: words }) => {
-    if (words?.data?.endsWith("drawer")) { words.data = words.data.replace("drawer", "menu") }
+    const better = button.getAttribute("aria-label")
+    if (words?.data?.endsWith(ending) && words.data != better) { words.data = better }
   })
+  const say = () => {
+    const better = name(button)
+    if (better != button.getAttribute("aria-label")) { button.setAttribute("aria-label", better) }
+    say_tip()
+  }
+  new MutationObserver(say).observe(button, { attributeFilter: ["aria-label"], childList: true, subtree: true })
   new MutationObserver(say_tip).observe(root, { childList: true, subtree: true, characterData: true })
+  say()
 }
-name_menu()
+name_button("drawer", button => {
+  find(document, "nav:not([aria-label])")?.setAttribute("aria-label", "Controls")
+  return button.getAttribute("aria-label").replace("drawer", "menu")
+})
+name_button("theme", () => {
+  const { data } = Bokeh.documents.flatMap(one => one.roots()).find(root => "dark_theme" in (root.data ?? {})) ?? {}
+  return data?.dark_theme ? "Light theme" : "Dark theme"
+})
 """
-"""JavaScript that renames the button of the sidebar, and its tip; in panel-material-ui they say “drawer”."""
+"""JavaScript that renames two buttons, and their tips; in panel-material-ui they say “drawer” and “Toggle theme”."""
 
 NAME_PANEL = """
 // Give the view below the tabs the role that goes with theirs, and the name of the tab that is chosen.
@@ -301,7 +309,7 @@ export function render({ model }) {
   KEEP_FOCUS
   document.addEventListener("keydown", keep_focus, { capture: true })
   NAME_PANEL
-  NAME_MENU
+  NAME_BUTTONS
   TELL_HEADER
   PAINT_WHOLE
   KEEP_TO_ROWS
@@ -328,7 +336,7 @@ export function render({ model }) {
         .replace("FIND", FIND)
         .replace("KEEP_FOCUS", KEEP_FOCUS)
         .replace("NAME_PANEL", NAME_PANEL)
-        .replace("NAME_MENU", NAME_MENU)
+        .replace("NAME_BUTTONS", NAME_BUTTONS)
         .replace("TELL_HEADER", TELL_HEADER)
         .replace("PAINT_WHOLE", PAINT_WHOLE)
         .replace("KEEP_TO_ROWS", KEEP_TO_ROWS)

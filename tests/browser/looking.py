@@ -9,6 +9,9 @@ PATIENCE = 60_000
 INTERVAL = 50
 """Milliseconds between two looks."""
 
+THEME = re.compile("^(Dark|Light) theme$")
+"""Name of the button of the theme, which tells what a click does."""
+
 COLOURS = """canvas => {
     const {width, height} = canvas
     const pixels = new Uint32Array(canvas.getContext("2d").getImageData(0, 0, width, height).data.buffer)

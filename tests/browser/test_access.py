@@ -8,7 +8,7 @@ import pytest
 
 from pwsviz.figures.colours import ON_DARK
 from pwsviz.widgets.browser import NARROW
-from tests.browser.looking import UNPRINTED, await_built, await_painted, field, moments, type_into
+from tests.browser.looking import THEME, UNPRINTED, await_built, await_painted, field, moments, type_into
 
 sync_api = pytest.importorskip("playwright.sync_api")
 
@@ -142,7 +142,7 @@ def test_every_view_and_dialog_shows_itself_without_violating_wcag(inspected):
             look_at_dialog(page, name, ready, rules)
         with controls(page):
             look_at_dialog(page, "Write your own", "This system is ready.", rules)
-        page.get_by_label("Toggle theme").click()
+        page.get_by_label(THEME).click()
         page.mouse.move(200, 300)  # away from its tip
         page.wait_for_timeout(1000)  # for the colours, which fade from light to dark
     assert page.locator("math").count() > 5
@@ -185,7 +185,7 @@ def test_figures_are_painted_in_the_colours_that_go_with_the_page(visit):
                 break
         assert len(painted & {*own}) > 6
         assert not painted & {*other}
-        page.get_by_label("Toggle theme").click()
+        page.get_by_label(THEME).click()
 
 
 def test_the_button_of_the_controls_and_its_tip_speak_of_a_menu(visit):
@@ -193,6 +193,15 @@ def test_the_button_of_the_controls_and_its_tip_speak_of_a_menu(visit):
     page.get_by_role("navigation", name="Controls").wait_for()
     for name in ("Close menu", "Open menu"):
         button = page.get_by_label(name)
+        button.hover()
+        page.get_by_role("tooltip", name=name).wait_for()
+        button.click()
+
+
+def test_the_button_of_the_theme_and_its_tip_say_what_a_click_does(visit):
+    page = visit()
+    for name in ("Dark theme", "Light theme", "Dark theme"):
+        button = page.get_by_role("button", name=name)
         button.hover()
         page.get_by_role("tooltip", name=name).wait_for()
         button.click()

@@ -7,7 +7,7 @@ import pytest
 
 from pwsviz.scene.views import VIEWS
 from pwsviz.widgets.lecture import LABELS, LARGER
-from tests.browser.looking import BLANK_KEYS, await_built, await_painted, becomes, canvas
+from tests.browser.looking import BLANK_KEYS, THEME, await_built, await_painted, becomes, canvas
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
 pytestmark = pytest.mark.browser
@@ -158,7 +158,7 @@ def test_the_help_has_a_button_for_the_lecture_mode_as_a_phone_has_no_keys(phone
 def test_in_a_lecture_type_stays_large_when_the_theme_changes(lecture):
     page, usual, widths = lecture
     for _ in range(2):
-        page.get_by_label("Toggle theme").click()
+        page.get_by_label(THEME).click()
         page.wait_for_timeout(1500)
         assert becomes(page, lambda: page.evaluate(TYPE) == pytest.approx([LABELS * LARGER * size for size in usual]))
         assert becomes(page, lambda: page.evaluate(WIDTHS) == pytest.approx([LARGER * width for width in widths]))

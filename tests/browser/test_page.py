@@ -9,6 +9,7 @@ from pwsviz.text.numbers import PRINTED, printed
 from tests.browser.looking import (
     BLANK_KEYS,
     GROUND,
+    THEME,
     TIP,
     UNPRINTED,
     await_ground,
@@ -119,7 +120,7 @@ def test_a_narrow_screen_shows_the_picture_first_and_the_rest_below(visit):
 def test_dark_mode_repaints_the_figures_and_is_remembered(visit):
     page = visit()
     light = await_painted(page, "Phase portrait").evaluate(GROUND)
-    page.get_by_label("Toggle theme").click()
+    page.get_by_label(THEME).click()
     dark = await_ground(page, canvas(page, "Phase portrait"), lambda ground: ground != light)
     assert page.evaluate(UNPRINTED) == []
     x, y = await_that(page, CONSERVED)["ticks"][1]
@@ -134,7 +135,7 @@ def test_dark_mode_repaints_the_figures_and_is_remembered(visit):
     page.reload()
     drawing = await_painted(page, "Phase portrait")
     await_ground(page, drawing, lambda ground: ground == dark)
-    page.get_by_label("Toggle theme").click()
+    page.get_by_label(THEME).click()
     await_ground(page, drawing, lambda ground: ground == light)
     assert page.evaluate("localStorage.length") == 0  # as the system has it: there is nothing to remember
 
