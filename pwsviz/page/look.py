@@ -56,7 +56,8 @@ _TABS_SX = {
     },
     f"@media (width < {NARROW}px)": {  # titles fade where their row goes on
         ".MuiTabs-scroller": {"maskImage": "linear-gradient(to left, transparent, black 24px)"},
-        ".MuiTabs-list, .MuiTabs-flexContainer": {"paddingRight": "40px"},
+        # As wide as all of them, so that the last one can be scrolled out of the fade.
+        ".MuiTabs-list, .MuiTabs-flexContainer": {"width": "max-content", "paddingRight": "40px"},
     },
     ".MuiTabs-indicator": {"display": "none"},  # the shadow is there from the first paint on
     ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.browser.looking import await_painted, becomes, moments
+from tests.browser.looking import THEME, await_painted, becomes, moments
 from tests.browser.test_access import focused
 
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -30,7 +30,7 @@ SMALL = """() => {
 def test_on_a_small_phone_nothing_is_cut_and_all_that_is_pressed_is_large_enough(visit, width):
     page = visit(width, 800, query="v=2&view=stability")
     portrait = await_painted(page, "Phase portrait")
-    for name in ("Open menu", "Undo", "Redo", "Export & share", "Help", "Toggle theme"):
+    for name in ("Open menu", "Undo", "Redo", "Export & share", "Help", THEME):
         box = page.get_by_role("button", name=name).bounding_box()
         assert box["x"] >= 0, name
         assert box["x"] + box["width"] <= width, name
@@ -234,3 +234,19 @@ def test_a_button_that_can_no_longer_be_pressed_hands_the_focus_on(visit):
             break
         undo.press("Enter")
     sync_api.expect(redo).to_be_focused()
+
+
+TITLE_AND_FADE = """() => {
+    const find = (node, chosen) => [...node.querySelectorAll("*")].map(part => part.matches(chosen) ? part
+        : part.shadowRoot ? find(part.shadowRoot, chosen) : null).find(part => part)
+    const row = find(document, ".MuiTabs-scroller"), titles = row.querySelectorAll("[role=tab]")
+    row.scrollLeft = row.scrollWidth
+    return [[...titles].at(-1).getBoundingClientRect().right, row.getBoundingClientRect().right - 24]
+}"""
+"""Where the last title ends when the row of titles is scrolled to its end, and where the row begins to fade."""
+
+
+def test_on_a_phone_the_last_title_can_be_scrolled_out_of_the_fade(visit):
+    page = visit(420, 800)
+    page.get_by_role("tab", name="Scheme").wait_for()
+    assert becomes(page, lambda: page.evaluate(TITLE_AND_FADE)[0] <= page.evaluate(TITLE_AND_FADE)[1])
