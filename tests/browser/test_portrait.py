@@ -294,3 +294,12 @@ def test_a_triangle_is_painted_as_large_as_a_square(visit):
     }}"""
     sizes = await_that(page, look, lambda seen: {"square", "inverted_triangle"} <= {*seen})
     assert sizes["inverted_triangle"] > 1.3 * sizes["square"]
+
+
+@pytest.mark.deep
+def test_the_wheel_alone_says_that_it_zooms_with_ctrl(visit):
+    page = visit()
+    await_still(page)
+    page.mouse.move(*inside(page.evaluate(PORTRAIT), 0.5, 0.5))
+    page.mouse.wheel(0, 10)
+    page.get_by_text("use ctrl + scroll to zoom").locator("visible=true").wait_for()  # the words are Bokeh's
