@@ -16,7 +16,7 @@ from bokeh.models.glyphs import Scatter, VStrip
 from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
-from pwsviz.figures.colours import OCCUPIED
+from pwsviz.figures.colours import GREY, OCCUPIED
 from pwsviz.figures.style import assign, side_strips, unseen
 
 __all__ = ["NARROW_SHADES", "SAME_INSTANT", "SOME", "Marks", "attach_shades", "shade_keys"]
@@ -189,8 +189,9 @@ def shade_keys(plot: figure) -> list[tuple[str, GlyphRenderer[Any]]]:
 
 
 def _key(plot: figure, side: int | None) -> GlyphRenderer[Any]:
-    """Return what a legend paints of a shade, or of none: nothing in the figure."""
-    strip = VStrip(x0="start", x1="end", fill_color=None, line_width=0) if side is None else side_strips(side)
+    """Return what a legend paints of a shade, or an empty frame for none: nothing in the figure."""
+    empty: dict[str, Any] = {"fill_color": None, "line_color": GREY, "line_width": 1}
+    strip = VStrip(x0="start", x1="end", **empty) if side is None else side_strips(side)
     nowhere = ColumnDataSource({"start": [np.nan], "end": [np.nan]})
     return plot.add_glyph(nowhere, strip)
 

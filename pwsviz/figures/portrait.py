@@ -24,7 +24,7 @@ from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
 from pwsviz.figures.legends import legend_below
-from pwsviz.figures.lines import LOOK_COLUMNS
+from pwsviz.figures.lines import LEGEND_WIDTH, LOOK_COLUMNS
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
 from pwsviz.figures.orbit_lines import alongside_columns, curve_columns, fitted, step_columns, thin_shares
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
@@ -178,7 +178,9 @@ class PortraitView:
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
         plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="colour", line_color="white"))
         a_dot = Scatter(size=STEP_SIZE, fill_color=GREY, line_color="white")
-        self.dots = plot.add_glyph(unseen(("x", "y")), a_dot)  # in the legend: those of each integrator have its colour
+        # In the legend, a dot on a curve as in the figure, but grey: those of each integrator have its colour.
+        under = plot.line([np.nan], [np.nan], line_color=GREY, line_width=LEGEND_WIDTH)
+        self.dots = [under, plot.add_glyph(unseen(("x", "y")), a_dot)]
         self.methods, self.keys = legend_lines(plot)
         self.jumps = ColumnDataSource({"x": [], "y": []})
         self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=AMBER, line_dash=[8, 3, 2, 3], line_width=1.5))
