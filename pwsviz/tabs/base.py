@@ -21,7 +21,7 @@ from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers, table_markup
 from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.fold import Fold
-from pwsviz.widgets.panes import FADED, PLAIN, empty, fade, is_seen, leave_out, plot_pane, text_pane
+from pwsviz.widgets.panes import FADED, PLAIN, WHOLE_CSS, empty, fade, is_seen, leave_out, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
 
 _WAITING = "Computing …"
@@ -64,7 +64,7 @@ class Tab(pn.viewable.Viewer):
     def __init__(self, scene: Scene, results: Results) -> None:
         super().__init__()
         self.scene, self.results = scene, results
-        self.words = text_pane(_WAITING)
+        self.words = text_pane(_WAITING, style=WHOLE_CSS)
         self.outcome: Outcome | None = None
         self._system: core.PiecewiseSystem | None = None
         self._drawn: core.PiecewiseSystem | None = None  # of which the figures show something

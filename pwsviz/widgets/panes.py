@@ -47,6 +47,7 @@ p { margin: 0 0 2px 0; }
                    display: var(--usual, table-caption); }
 .numbers :is(th, td) { text-align: left; font-weight: 400; padding: 1px 14px 1px 0; vertical-align: baseline; }
 .numbers thead th { color: var(--mui-palette-text-secondary); border-bottom: 1px solid var(--mui-palette-divider); }
+@media (height < 900px) { .numbers ~ .numbers { display: var(--usual, block); } }
 .run { display: flex; align-items: baseline; gap: 8px; }
 .run svg { flex: none; align-self: center; }
 .run b { font-weight: 600; }
@@ -54,6 +55,9 @@ p { margin: 0 0 2px 0; }
     + FORMULAS
 )
 
+
+WHOLE_CSS = ":host { --warned: normal; --line: auto; }"
+"""Of words that scroll, so that a lecture in a small window has room for whole warnings, too."""
 
 BESIDE_HEADING_CSS = ":host { --heading: 0; }"
 """Of a row that begins with a heading: the margin is that of the row."""
@@ -66,9 +70,9 @@ class Text(pn.pane.HTML):
         model.update(**self._process_param_change({"object": self.object}))
 
 
-def text_pane(words: str, kind: str = "") -> pn.pane.HTML:
+def text_pane(words: str, kind: str = "", style: str = "") -> pn.pane.HTML:
     """Return a pane for text; to change it, assign `as_text` of other words to its `object`."""
-    return _html(as_text(words, kind))
+    return _html(as_text(words, kind), *filter(None, [style]))
 
 
 def markup_pane(style: str) -> pn.pane.HTML:
@@ -124,5 +128,5 @@ def fade(pane: pn.pane.Bokeh, past: bool) -> None:
         pane.styles = {**pane.object.styles, **PLAIN, **(FADED if past else {})}
 
 
-def _html(markup: str) -> pn.pane.HTML:
-    return Text(markup, stylesheets=[TEXT_CSS], margin=0, sizing_mode="stretch_width")
+def _html(markup: str, *styles: str) -> pn.pane.HTML:
+    return Text(markup, stylesheets=[TEXT_CSS, *styles], margin=0, sizing_mode="stretch_width")

@@ -113,3 +113,16 @@ def test_names_of_levels_do_not_lie_over_one_another_even_in_a_low_figure(visit,
     assert becomes(page, lambda: len(page.evaluate("window.painted")) == named), page.evaluate("window.painted")
     ends = sorted(page.evaluate("Object.values(window.painted)"))
     assert all(above[1] <= below[0] for above, below in pairwise(ends)), ends
+
+
+@pytest.mark.deep
+def test_in_a_small_lecture_a_warning_of_a_view_is_whole(visit):
+    page = visit(*SMALL, query="v=2&system=kepler&methods=dmm2&view=section&tau=0.2")
+    warning = page.get_by_role("tabpanel").get_by_text(re.compile("^The step of 0.2 at"))
+    warning.wait_for()
+    page.keyboard.press("l")
+    page.wait_for_function(BEGUN, arg=True)
+    assert becomes(
+        page, lambda: page.evaluate("document.documentElement.style.getPropertyValue('--warned')") == "nowrap"
+    )
+    assert warning.evaluate("one => getComputedStyle(one).whiteSpace") == "normal", "it scrolls into sight"
