@@ -104,7 +104,7 @@ class SectionTab(LongTab):
         scene.param.watch(self._offer, ["system", "own", "section_of", "section_axes", "section_map"])
         self._offer()
         controls = pn.FlexBox(
-            kind, _wide(self._of, 120), self._other, _wide(self._across, 88), self._up_place, more,
+            kind, _wide(self._of, 140), self._other, _wide(self._across, 88), self._up_place, more,
             Disclosure(more, self._more),
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
