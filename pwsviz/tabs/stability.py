@@ -46,6 +46,11 @@ CONSERVES = (
 """What a successful run of some integrators does besides, where ψ is known."""
 
 
+KEY = "Largest successful τ: up to it, each step size tried gives the crossings and the end of the reference{}."
+CONSERVED = ", with |Δψ| at most 10⁻¹⁰ times the size of the terms of ψ"
+"""The same in short, for a picture of the map."""
+
+
 class StabilityTab(LongTab):
     """The map of outcomes, the drift in long runs, and runs that almost touch the surface."""
 
@@ -146,8 +151,8 @@ class StabilityTab(LongTab):
 
     def meaning(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are successful, for captions of the map, which names the largest, or what the error is."""
-        part, known = self.scene.stability_part, self.scene.declaration.laws.most_conserved > 0
-        known = known and any(core.METHODS[name].conservative for name in outcome.methods)
+        part = self.scene.stability_part
+        known = self._knows_psi and any(core.METHODS[name].conservative for name in outcome.methods)
         if part == "map" and not has_limit(outcome, self.scene.selected_method):
             return counted(self.scene)
         words = MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))
@@ -155,7 +160,11 @@ class StabilityTab(LongTab):
 
     def key(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are successful, where the map names the largest."""
-        return self.meaning(outcome) if self.scene.stability_part == "map" else ""
+        if self.scene.stability_part != "map":
+            return ""
+        method = self.scene.selected_method
+        conserves = self._knows_psi and core.METHODS[method].conservative
+        return f"{KEY.format(CONSERVED * conserves) * has_limit(outcome, method)} {counted(self.scene)}".strip()
 
     def how(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are drawn of the part shown, and how they were integrated."""

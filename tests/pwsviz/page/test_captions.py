@@ -62,6 +62,8 @@ def test_successful_step_sizes_are_explained_where_they_are_drawn(explorer):
     assert "is successful if" not in without
     _, drawn = told_of(explorer, system="elliptic_curve", view="stability", methods=["dmm2"])
     assert "ends as it does and, for a conservative integrator, |Δψ| is at most" in drawn
+    assert "crossings and the end of the reference, with |Δψ|" in explorer.view.key(explorer.view.outcome)
+    assert len(explorer.view.key(explorer.view.outcome)) < 180, "two lines of a picture of 85 mm"
     assert drawn.count("The diamond is for ") == 1
     assert "refers only to runs from the chosen start" not in drawn, "that is told by the first sentence"
 
