@@ -15,6 +15,7 @@ import sympy
 from sympy import Expr, Symbol
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.printer import Printer
+from sympy.printing.str import StrPrinter
 
 import core
 from core.symbolic import TIME, DividedDifference
@@ -153,7 +154,7 @@ def too_long(expression: Expr | sympy.MatrixBase) -> bool:
 def _said(shown: Shown) -> str:
     """Return an expression in plain characters, with ^ for powers."""
     parts = _parts(_one(shown))
-    words = [TOO_LONG if too_long(p) else sympy.sstr(_explicit(p), full_prec=False) for p in parts]
+    words = [TOO_LONG if too_long(p) else _TextPrinter({"full_prec": False}).doprint(_explicit(p)) for p in parts]
     said = said_name(", ".join(words).replace("**", "^").replace("*", " "))  # a symbol may be named in LaTeX
     return said if isinstance(shown, Expr) else f"({said})"
 
@@ -205,8 +206,15 @@ def _identity(difference: DividedDifference) -> Expr:
     return found[difference.phi]
 
 
-class _LatexPrinter(LatexPrinter):
+class _TextPrinter(StrPrinter):
     """sympy's printer, with the terms of a sum in the order in which they are typeset."""
+
+    def _as_ordered_terms(self, expr: Any, order: str | None = None) -> list[Any]:
+        return ordered(expr)
+
+
+class _LatexPrinter(LatexPrinter):
+    """Likewise."""
 
     def _as_ordered_terms(self, expr: Any, order: str | None = None) -> list[Any]:
         return ordered(expr)

@@ -227,3 +227,9 @@ def test_every_system_of_the_catalogue_is_typeset(key: str) -> None:
 def test_a_name_that_ends_in_a_number_and_a_sign_has_one_subscript():
     assert markup(Symbol("omega2_minus")) == "<msub><mi>ω</mi><mrow><mn>2</mn><mo>−</mo></mrow></msub>"
     assert latex(Symbol("omega2_minus")) == r"\omega_{2-}"
+
+
+def test_a_formula_is_said_in_the_order_in_which_it_is_typeset():
+    k, d, x, y = sympy.symbols("k d x y")
+    assert 'alttext="g = k (d - x)"' in equation("g", k * (d - x))
+    assert 'alttext="g = y^2 - x^3 - k x"' in equation("g", y**2 - x**3 - k * x)
