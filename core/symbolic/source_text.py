@@ -49,6 +49,11 @@ class _Text(StrPrinter):
             return str(super()._print_Mul(expr))
         return f"{self.parenthesize(rest, PRECEDENCE['Mul'])}*{self.parenthesize(factor, PRECEDENCE['Mul'])}"
 
+    def _as_ordered_terms(self, expr: sympy.Add, order: str | None = None) -> list[sympy.Expr]:
+        """A term without a minus first, as people write: x - d, not -d + x."""
+        terms: list[sympy.Expr] = super()._as_ordered_terms(expr, order)
+        return sorted(terms, key=lambda term: term is not _leading(terms))
+
     def _print_Exp1(self, expr: sympy.Expr) -> str:  # noqa: N802
         return "e"
 
@@ -59,3 +64,8 @@ class _Text(StrPrinter):
         return "(1/0)"
 
     _print_NegativeInfinity = _print_ComplexInfinity = _print_NaN = _print_Infinity  # noqa: N815
+
+
+def _leading(terms: list[sympy.Expr]) -> sympy.Expr:
+    """The first of the terms without a minus, or the first of all."""
+    return next((term for term in terms if not term.as_coeff_Mul()[0].is_negative), terms[0])

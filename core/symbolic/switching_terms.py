@@ -199,14 +199,14 @@ class _Field:
                 sign *= s * (possible[0] if len(possible) == 1 else 1)
                 if len(possible) == 2 and g.has(*self.x):
                     changing.append(g)
-                    self._texts.setdefault(g, min(map(_text, (g, g.primitive()[1], s * written)), key=len))
+                    self._texts.setdefault(g, min(map(to_text, (g, g.primitive()[1], s * written)), key=len))
                 elif len(possible) == 2:
                     silent *= g
             changing.sort(key=lambda g: [not g.has(v) for v in self.x])
             self._check_silent(silent, changing, called)
             if silent != 1:
                 changing[0] *= silent
-                self._texts[changing[0]] = _text(changing[0])
+                self._texts[changing[0]] = to_text(changing[0])
             self._known[u] = sign, changing
         return self._known[u]
 
@@ -298,15 +298,3 @@ def _with_leading_one(u: Expr, x: Sequence[Symbol]) -> tuple[Expr, int]:
     terms = u.as_ordered_terms()
     lead = max(terms, key=rank).as_coeff_Mul()[0]
     return Add(*(v / lead for v in terms)), 1 if lead > 0 else -1
-
-
-def _text(u: Expr) -> str:
-    """Text of u with a positive term first, as in x - mu."""
-    text = to_text(u)
-    if not u.is_Add or not text.startswith("-"):
-        return text
-    first = next((v for v in u.as_ordered_terms() if v.as_coeff_Mul()[0] > 0), None)
-    if first is None:
-        return text
-    rest = to_text(u - first)
-    return f"{to_text(first)} - {rest[1:]}" if rest.startswith("-") else f"{to_text(first)} + {rest}"

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from core import PiecewiseSystem
-from core.symbolic import Declaration, Problem
+from core.symbolic import Declaration, Problem, to_text
 from tests.bounds import bounded_time
 
 FIELDS = {
@@ -43,7 +43,7 @@ def test_what_is_conserved_is_judged_on_each_side_whose_law_can_be_read():
     wrong = oscillator(f_plus=("y", "2x"), psi_minus=("x**2 + y**2",), psi_plus=("x",))
     assert [problem.field for problem in wrong.problems] == ["f_plus", "psi_minus"]
     assert wrong.verdicts["+"] == ()
-    assert str(wrong.verdicts["-"][0].left_over) in wrong.verdicts["-"][0].objection
+    assert to_text(wrong.verdicts["-"][0].left_over) in wrong.verdicts["-"][0].objection
 
 
 def test_messages_call_the_parts_as_they_are_asked_to():

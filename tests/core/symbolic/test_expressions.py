@@ -327,3 +327,8 @@ def test_other_names_are_refused(name: Any) -> None:
     with pytest.raises(ValueError, match="variable name") as caught:
         check_name(name, "variable")
     assert repr(name) in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["k*(d - x)", "-k*(x - d) - m", "(y - k)**2 - d**2", "-x - y"])
+def test_an_expression_is_written_with_a_term_without_a_minus_first(text):
+    assert to_text(parse(text, ("x", "y", "d", "k", "m"))) == text

@@ -206,7 +206,7 @@ def test_a_relay_has_one_surface_and_two_laws():
         ("max(x, -1) + min(x, 1)", ("x + 1", "x - 1")),
         ("sign(x - mu)", ("x - mu",)),
         ("sign(x - cos(t))", ("x - cos(t)",)),
-        ("sign(-(x - mu)**2 - v**2 + 1)", ("v**2 + (-mu + x)**2 - 1",)),
+        ("sign(-(x - mu)**2 - v**2 + 1)", ("v**2 + (x - mu)**2 - 1",)),
         ("Piecewise((-1, x < -1), (x, x < 1), (1, True))", ("x + 1", "x - 1")),
         ("Piecewise((1, (x > 0) & ~(v > 0) | (x > 2)), (0, True))", ("x", "v", "x - 2")),
         ("Piecewise((1, not -1 < x < 1 or v >= 0), (0, True))", ("x + 1", "x - 1", "v")),
