@@ -87,9 +87,9 @@ def portrait_text(
 
 def _shape(orbit: Orbit, plane: Plane, across: str, up: str, meets: str) -> str:
     """Return how far a curve reaches, and where it meets a surface, or changes sides, in sentences."""
-    if not np.isfinite(orbit.path).any():
+    if not np.isfinite(orbit.reach).all():
         return ""
-    ends = plane.values(np.array([np.nanmin(orbit.path, axis=0), np.nanmax(orbit.path, axis=0)]))
+    ends = plane.values(orbit.reach)
     least = ROUNDING * np.abs(ends).max(axis=0)
     (x_low, y_low), (x_high, y_high) = np.where(np.abs(ends) > least, ends, 0.0).tolist()
     reach = f"{across} from {x_low:.3g} to {x_high:.3g}, {up} from {y_low:.3g} to {y_high:.3g}"

@@ -75,6 +75,8 @@ class Orbit:
 
     method: str
     path: Floats
+    reach: Floats
+    """(2, 2) least and greatest values along all of it, be they beyond what is drawn."""
     crossings: Floats
     numbers: NDArray[np.intp]
     """Number of each crossing in the run, from 1."""
@@ -121,7 +123,7 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, plane
     marks = marks[apart[:MOST_PLACES]]
     jumped = marks[crossings.kind[marks] == "jump"]
     jumped = jumped[~_along_surface(run, crossings[jumped], plane.axes)]
-    pixel, within = pixel_size(points, near), None
+    pixel, within, reach = pixel_size(points, near), None, _reach(points)
     if near is not None:
         points, kinks, within = clipped(points, kinks, near)
     path = screen_path(points, kinks, within, pixel=pixel)
@@ -129,6 +131,7 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, plane
     return Orbit(
         method=inputs.scheme.method,
         path=path,
+        reach=reach,
         crossings=at[marks],
         numbers=1 + marks,
         times=crossings.t[marks],
@@ -144,6 +147,11 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, plane
         beyond=starts_beyond_wall(run),
         focus=path if view is None else _part(path, view),
     )
+
+
+def _reach(points: Floats) -> Floats:
+    finite = points if np.isfinite(points.sum()) else points[np.isfinite(points).all(axis=1)]
+    return np.stack([finite.min(axis=0), finite.max(axis=0)]) if len(finite) else np.full((2, PLANE), np.nan)
 
 
 def _along_surface(run: core.Trajectory, jumps: core.Crossings, axes: Axes) -> NDArray[np.bool_]:

@@ -289,7 +289,7 @@ def _sweeps() -> tuple[Preset, ...]:
         ),
         Preset(
             "chua_sweep", "Chua’s circuit: from order to chaos", "",
-            "A closed orbit has one point per loop: two from α = 8.17, four from 8.39, then chaos; "
+            "A closed orbit has one point per loop: two from α = 8.175, four from 8.40, then chaos; "
             "beyond 8.8, on both scrolls.",
             "Click at α = 8.1, 8.3 and 8.7. Zoom in by Ctrl and the wheel, and sweep the visible range.",
             {

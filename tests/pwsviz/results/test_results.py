@@ -310,3 +310,11 @@ def test_the_first_short_run_of_a_system_and_a_method_is_made_again_when_warm(re
     assert calls == ["dmm2"] * 4, "the first call brings the code into memory: its time is not that of the run"
     results.run(run_inputs(Scene(methods=["rk2"], tau=0.02, t_end=1.0))[0])
     assert calls[4:] == ["rk2"] * 2
+
+
+def test_what_a_run_reaches_is_told_beyond_what_is_drawn(results):
+    pictures = results.pictures(portrait(Scene(starts=((0.507, 1.501),), tau=0.08, t_end=19.2, methods=["rk2"])))
+    run = core.integrate("elliptic_curve", (0.0, 19.2), (0.507, 1.501), tau=0.08, method="rk2")
+    finite = run.x[np.isfinite(run.x).all(axis=1)]
+    assert pictures.orbits[0].reach[1].tolist() == finite.max(axis=0).tolist()
+    assert np.nanmax(pictures.orbits[0].path) < finite.max(), "it leaves what is drawn"
