@@ -136,9 +136,9 @@ def _words(run: Trajectory, least: _Least, error: float) -> str:
     adaptive = METHODS[run.method].adaptive
     known = f", about {max(error, least.noise):.1g} in g" if math.isfinite(error) else ", as smaller steps show"
     return (
-        f"At t = {least.t:.6g} the run passes the surface at a distance below its numerical error{known}: the solution "
-        "may meet it there, touch it or miss it. If it touches it, no step size helps: change the initial condition or "
-        f"a parameter; if not, take {'a smaller tolerance' if adaptive else 'a smaller tau'}"
+        f"At t = {least.t:.6g} the run passes the surface at a distance below its accumulated error{known}: the "
+        "solution may meet it there, touch it or miss it. If it touches it, no step size helps: change the initial "
+        f"condition or a parameter; if not, take {'a smaller tolerance' if adaptive else 'a smaller tau'}"
     )
 
 

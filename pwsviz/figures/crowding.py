@@ -33,7 +33,7 @@ NARROWEST = 6
 WEIGHTS = [0.5, 1.0, 1.0, 1.0, 0.5]
 """Of a shade and of two on either side in this mean: two sides that alternate have the same."""
 
-SOME = " (close ones merged)"
+SOME = " (some)"
 """What a legend adds to the name of marks of which some are left out, as they would cover others like them."""
 
 NONE = " (omitted)"

@@ -182,7 +182,7 @@ def end_columns(orbits: Iterable[tuple[int, Orbit]], view: Window | None = None)
     return {
         "x": [end.place[0] for _, _, end in ends],
         "y": [end.place[1] for _, _, end in ends],
-        "label": [f"end: {look.word}{'' if look.word in seen else ', outside'}" for look in looks],
+        "label": [f"end: {look.word}{'' if look.word in seen else ', out of view'}" for look in looks],
         "marker": [look.marker for look in looks],
         "colour": [look.colour for look in looks],
         "method": [orbit.method for _, orbit, _ in ends],

@@ -332,7 +332,7 @@ class PortraitView:
         steps = step_columns([*pictures.orbits, *pictures.thin])
         assign(self.steps, **steps)
         omitted = any(orbit.more_steps for orbit in (*pictures.orbits, *pictures.thin))
-        self._step_entry.update(visible=len(steps["x"]) > 0, label=value("step (not every one)" if omitted else "step"))
+        self._step_entry.update(visible=len(steps["x"]) > 0, label=value("step (first ones)" if omitted else "step"))
         jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.thin)])
         assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
         self._reset_entry.visible = self.joins_jumps

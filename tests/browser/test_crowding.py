@@ -18,7 +18,7 @@ ZOOM = """factor => {
 }"""
 """Shows the first part of the time in the conserved quantity."""
 
-NARROW, SOME_BRIEF, SOME = "sides not shaded", "brief stays not shaded", " (close ones merged)"
+NARROW, SOME_BRIEF, SOME = "sides not shaded", "brief stays not shaded", " (some)"
 
 
 def labels(page):

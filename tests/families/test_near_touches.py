@@ -10,7 +10,7 @@ import pytest
 import core
 
 #: What the warning says.
-WORDS = "at a distance below its numerical error"
+WORDS = "at a distance below its accumulated error"
 #: How a run may end that does not pass the surface at all.
 TOUCHES = (core.Status.GRAZING, core.Status.ZENO)
 

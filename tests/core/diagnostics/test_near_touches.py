@@ -5,7 +5,7 @@ import pytest
 
 import core
 
-WORDS = "at a distance below its numerical error"
+WORDS = "at a distance below its accumulated error"
 
 
 @pytest.mark.parametrize("radius", [0.2203, 0.5812, 1.30301, 1.58872, 1.66391])

@@ -145,7 +145,7 @@ def test_steps_are_marked_until_a_run_returns_to_its_own_path_and_the_legend_say
     view, period = Watched(), np.pi + np.pi / np.sqrt(3.0)  # half a turn at each of the two frequencies
     (entry,) = [one for one in view.figure.legend[0].items if one.label == value("step")]
     start = ((1.0, 0.0),)
-    for end, label in ((4.0, "step"), (20.0, "step (not every one)")):
+    for end, label in ((4.0, "step"), (20.0, "step (first ones)")):
         system, pictures = pictured(start, system="harmonic_oscillator", tau=0.5, t_end=end)
         view.show_orbits(system, pictures, list(start), 0)
         first = pictures.orbits[0]
@@ -292,6 +292,6 @@ def test_the_legend_says_which_ends_lie_outside_the_view():
     x, y, name = (view.ends.data[column][0] for column in ("x", "y", "label"))
     assert name.startswith("end: ")
     view.look_at(Window(x + 1, x + 2, y + 1, y + 2))
-    assert set(view.ends.data["label"]) == {f"{name}, outside"}
+    assert set(view.ends.data["label"]) == {f"{name}, out of view"}
     view.look_at(Window(x - 1, x + 2, y - 1, y + 2))
     assert set(view.ends.data["label"]) == {name}
