@@ -28,7 +28,7 @@ THINNER = 0.5
 TOUCH = 0.45
 """Width of the widest curve, relative to the distance between its turns, from which on all curves are thinner."""
 
-WOUND = 5.0
+WOUND = 3.5
 """Pixels between the turns of a curve below which it is solid: dashes side by side look like bricks, not like turns."""
 
 ALONGSIDE_SIZE = 11
