@@ -41,7 +41,8 @@ class Origin(NamedTuple):
 
 def _unit_and_shift(expressions: Sequence[Expr], v: Symbol, variables: Sequence[Symbol]) -> tuple[Expr, Expr]:
     """The unit and the shift of a variable with which expressions are written most simply; 1 and 0 if with none."""
-    choices: set[tuple[Expr, Expr]] = {(sympy.Integer(1), sympy.Integer(0))}
+    as_they_are: tuple[Expr, Expr] = (sympy.Integer(1), sympy.Integer(0))
+    choices = {as_they_are}
     for node in (node for u in expressions for node in u.atoms(sympy.Add)):
         rest, slope = node.as_independent(v, as_Add=True)
         factor, alone = slope.as_independent(*variables, as_Add=False)
@@ -51,9 +52,10 @@ def _unit_and_shift(expressions: Sequence[Expr], v: Symbol, variables: Sequence[
             constant, others = rest.as_independent(*variables, as_Add=True)
             choices |= {(unit, -u / number) for u in (sympy.Add.make_args(constant) if others != 0 else (constant,))}
 
-    def length(choice: tuple[Expr, Expr]) -> tuple[float, str]:
+    def length(choice: tuple[Expr, Expr]) -> tuple[float, bool, str]:
         unit, shift = choice
         moved = Origin({v: unit}, {v: shift}).about(expressions)
-        return sum(float(sympy.count_ops(u)) for u in moved), str(choice)  # the same one each time
+        written = sum(float(sympy.count_ops(u)) for u in moved)
+        return written, choice != as_they_are, str(choice)  # the same one each time
 
     return min(choices, key=length) if len(choices) > 1 else choices.pop()
