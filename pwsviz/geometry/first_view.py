@@ -25,9 +25,10 @@ SAMPLES = 24
 
 
 def first_plane(system: core.PiecewiseSystem, states: Floats) -> Axes:
-    """Return the plane in which a run is looked at first: that of the first two variables, unless it is flat there.
+    """Return the plane in which a run is looked at first: that of the first two variables, as a rule.
 
-    Else it is the plane that shows most surfaces among those where it is not flat; of equals, where it is least flat.
+    Where it is flat there, or no surface is seen and another plane shows one, it is the plane that shows most surfaces
+    among those where the run is not flat; of equals, where it is least flat.
 
     Parameters
     ----------
@@ -44,12 +45,16 @@ def first_plane(system: core.PiecewiseSystem, states: Floats) -> Axes:
         sides = extent[list(axes)]
         return float(sides.min() / sides.max()) if sides.max() > 0.0 else 0.0
 
+    def worth(axes: Axes) -> tuple[int, float]:
+        return len(surfaces_shown(system, axes)), fullness(axes)
+
     usual: Axes = (0, 1)
     offered = planes(system)
-    if fullness(usual) >= FLAT or not any(fullness(axes) > fullness(usual) for axes in offered):
-        return usual
     full = [axes for axes in offered if fullness(axes) >= FLAT] or offered
-    return max(full, key=lambda axes: (len(surfaces_shown(system, axes)), fullness(axes)))
+    blank = fullness(usual) >= FLAT and not worth(usual)[0] and any(worth(axes)[0] for axes in full)
+    if not blank and (fullness(usual) >= FLAT or not any(fullness(axes) > fullness(usual) for axes in offered)):
+        return usual
+    return max(full, key=worth)
 
 
 def with_room(system: core.PiecewiseSystem, window: Window) -> Window:

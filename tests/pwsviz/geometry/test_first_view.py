@@ -24,6 +24,8 @@ def in_space(g):
         ((1.0, 0.1, 0.9), "x", (0, 2)),
         ((1.0, 0.1, 0.09), "x", (1, 2)),  # where it is least flat, and no other is round
         ((0.1, 1.0, 0.6), "x", (1, 2)),
+        ((1.0, 0.5, 1.0), "z", (0, 2)),  # of the first two variables no surface would be seen
+        ((1.0, 0.5, 0.01), "z", (0, 1)),
         ((1.0, 0.0, 0.0), "x", (0, 1)),  # along a line: nowhere round
     ],
 )
