@@ -40,15 +40,17 @@ GREETING_CSS = f"""
 
 
 def greeting(example: Preset | None, changed: bool = False) -> str:
-    """Return what to try, and what an example shows, as markup; `changed` as in `look_of`.
+    """Return what the page is, how to begin, and what an example shows, as markup; `changed` as in `look_of`.
 
-    On a narrow screen it stands above the portrait: the controls are out of sight there.
+    On a narrow screen it stands above the portrait: the controls, and what to try, are out of sight there.
     """
     words = (
         "Integrate systems whose vector field changes across a surface. Tap in the portrait to start a trajectory; "
         "examples are behind ☰."
     )
-    return f'<p class="greeting">{words}{f" {look_of(example, changed)}" if example is not None else ""}</p>'
+    if example is None:
+        return f'<p class="greeting">{words}</p>'
+    return f'<p class="greeting">{words} {_title(example, changed)} {escape(_words(example, changed)[0])}</p>'
 
 
 def look_of(example: Preset, changed: bool = False) -> str:
@@ -57,7 +59,7 @@ def look_of(example: Preset, changed: bool = False) -> str:
     Once the scene is `changed`, this is said of the example as it was opened.
     """
     look, hint = _words(example, changed)
-    return f"<b>{escape(example.title)}{' (changed)' * changed}.</b> {escape(look)} {escape(hint)}"
+    return f"{_title(example, changed)} {escape(look)} {escape(hint)}"
 
 
 def note_of(example: Preset, changed: bool) -> str:
@@ -66,6 +68,10 @@ def note_of(example: Preset, changed: bool) -> str:
     return f"<p><b>{escape(example.title)}</b>{restore}</p>" + "".join(
         as_text(words, "about") for words in _words(example, changed)
     )
+
+
+def _title(example: Preset, changed: bool) -> str:
+    return f"<b>{escape(example.title)}{' (changed)' * changed}.</b>"
 
 
 def _words(example: Preset, changed: bool) -> tuple[str, str]:
