@@ -222,12 +222,12 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None, region: 
     if math.isfinite(sum(values)) and 0.0 not in heights and (laws.two_sided or _regions_at(laws, heights)):
         return start  # inside a region, and all is finite
     count, d = len(laws.surfaces), system.dimension
-    gradients, rest = values[count : count * (1 + d)], values[count * (1 + d) :]
+    gradients, rest = np.split(values[count:], [count * (1 + d)])  # of each g in (t, x), where g = 0 is a surface
     word = "g" if laws.two_sided else "a switching function"
     if not all(map(math.isfinite, heights)):
         raise ValueError(f"x0 = {start!r}: {word} has no finite value there; {_OTHER}")
     for k, g in enumerate(heights):
-        if g == 0.0 and not any(gradients[k * d : (k + 1) * d]):
+        if g == 0.0 and not gradients[k * (1 + d) : (k + 1) * (1 + d)].any():
             raise ValueError(
                 f"x0 = {start!r}: {word} and its gradient vanish there, so {word} has no surface; {_OTHER}"
             )

@@ -81,6 +81,8 @@ class _Least(NamedTuple):
     """Bound on its error by rounding."""
     bend: float
     """Rate of its rate."""
+    instant: bool
+    """Whether it depends on time alone."""
 
 
 def near_touches(run: Trajectory, rounding: bool = False, far: bool = False) -> Iterator[str]:
@@ -134,11 +136,12 @@ def _again(run: Trajectory, longest: float) -> Runner:
 
 def _words(run: Trajectory, least: _Least, error: float) -> str:
     adaptive = METHODS[run.method].adaptive
+    what = "a parameter" if least.instant else "the initial condition or a parameter"
     known = f", about {max(error, least.noise):.1g} in g" if math.isfinite(error) else ", as smaller steps show"
     return (
         f"At t = {least.t:.6g} the run passes the surface at a distance below its accumulated error{known}: the "
-        "solution may meet it there, touch it or miss it. If it touches it, no step size helps: change the initial "
-        f"condition or a parameter; if not, take {'a smaller tolerance' if adaptive else 'a smaller tau'}"
+        f"solution may meet it there, touch it or miss it. If it touches it, no step size helps: change {what}; if not, "
+        f"take {'a smaller tolerance' if adaptive else 'a smaller tau'}"
     )
 
 
@@ -178,7 +181,8 @@ class _Search:
             step = -after / bend * self.way
             if abs(step) <= 4.0 * _EPS * abs(place.t) or 0.5 * bend * step * step <= _EPS * noise:
                 break
-        return _Least(place.t + low, height, max(noise, self.noise_of_states(place)), bend)
+        instant = not self.run.system.laws.mode(place.mode).written.heights[place.guard].has(*self.run.system.laws.x)
+        return _Least(place.t + low, height, max(noise, self.noise_of_states(place)), bend, instant)
 
     def height(self, place: _Place, s: float) -> tuple[float, float, float]:
         """Height, its rate along the run, and the bound on its rounding, at the end of steps of length s in all."""

@@ -86,9 +86,11 @@ def onto_surfaces(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[
 
     The loop has put the state on the surface that it met first. The others vanish there to the rounding of the step
     that led there, which near the origin is larger than that of the state. Where surfaces are nearly parallel, the
-    state is moved only across the directions in which they are not.
+    state is moved only across the directions in which they are not. No state is nearer to an instant than
+    another.
     """
     laws, d = system.laws, system.dimension
+    surfaces = tuple(k for k in surfaces if k not in laws.instants)
     wanted = tuple(u for k in surfaces for u in (laws.surfaces[k], *(laws.surfaces[k].diff(v) for v in laws.x)))
     found = laws.numbers(("corner", *surfaces), wanted, t, x.tolist(), system.parameter_array)
     rows = np.array(found).reshape(len(surfaces), 1 + d)

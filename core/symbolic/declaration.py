@@ -159,10 +159,8 @@ class Declaration(DeclaredTexts):
             return Problem(field, f"{reason}{self._where_read(field, k)}", k)
         if self.longest is not None and is_larger(sympy.Tuple(*self._gradient(found)), self.longest):
             words = ": its derivatives are too long to work with; write it shorter"
-        elif self.kind(field) == "surface" and not found.free_symbols & set(self._x) and field == "g":
-            words = f" names no variable, so g = 0 is not a surface: it has to contain one of {self._named}"
         elif self.kind(field) == "surface" and not found.free_symbols & {*self._x, TIME}:
-            words = f" names no variable, so it has no zero: it has to contain one of {self._named}"
+            words = f" names no variable and not t, so it has no zero: it has to contain one of t, {self._named}"
         elif self.kind(field) == "surface" and (sign := definite_sign(found)):
             words = (
                 f" is {sign}, so that nothing switches where it is 0: it has to change sign there"
@@ -186,6 +184,12 @@ class Declaration(DeclaredTexts):
                     f"{self._entry('surfaces', k)} is zero where {self.called('surfaces', i)} is: write each surface "
                 )
                 yield Problem("surfaces", words + "once, and one without factor in common with another", k)
+        names = [region.name for region in self.regions]
+        for k, _ in self.jumps if surfaces else ():
+            without = [beside for beside in (_beside(name, k) for name in names) if beside not in names]
+            if without and not surfaces[k].free_symbols & set(self._x):
+                words = f"{self._entry('surfaces', k)} names no variable, so no jump leads back from where it is 0: "
+                yield Problem("surfaces", f"{words}declare a law of region {without[0]!r}", k)
 
     # Transitions -----------------------------------------------------------------------------------------------------
 
@@ -197,8 +201,7 @@ class Declaration(DeclaredTexts):
         if not self.transitions:
             jumps = {k: self._jump("jump" if self.two_sided else f"jumps[{k}]") for k, _ in self.jumps}
             for name, i in product(numbers, range(len(self.surfaces))):
-                beside = name[:i] + _OTHER[name[i]] + name[i + 1 :]
-                ways[name].append(Way(i, SIGNS[name[i]], numbers.get(beside), jump=jumps.get(i)))
+                ways[name].append(Way(i, SIGNS[name[i]], numbers.get(_beside(name, i)), jump=jumps.get(i)))
             return tuple(self.expressions("g" if self.two_sided else "surfaces").values()), ways
         surfaces: list[Expr] = []
         for k, transition in enumerate(self.transitions):
@@ -281,6 +284,11 @@ class Declaration(DeclaredTexts):
             surfaces = self.expressions("g" if self.two_sided else "surfaces")
             heights = (SIGNS[region[k]] * u for k, u in surfaces.items() if k < len(region) and region[k] in SIGNS)
         return Domain(ranges, tuple(heights), self._law(region, "f"))
+
+
+def _beside(region: str, surface: int) -> str:
+    """Name of the region on the other side of a surface."""
+    return region[:surface] + _OTHER[region[surface]] + region[surface + 1 :]
 
 
 def _same_zeros(u: Expr, v: Expr) -> bool:

@@ -252,14 +252,19 @@ class Laws:
         return any(TIME in one.free_symbols for one in (*self.surfaces, *fields, *jumps))
 
     @cached_property
+    def instants(self) -> frozenset[int]:
+        """Numbers of the surfaces that are instants: their g names no variable, so that it vanishes at all states."""
+        return frozenset(k for k, g in enumerate(self.surfaces) if not g.has(*self.x))
+
+    @cached_property
     def gradients(self) -> tuple[tuple[Expr, ...], ...]:
         """∇g of each surface."""
         return tuple(tuple(g.diff(v) for v in self.x) for g in self.surfaces)
 
     @cached_property
     def at_start(self) -> tuple[Expr, ...]:
-        """What an initial state is checked with: each g, then each ∇g, then the field of each region."""
-        slopes = (slope for gradient in self.gradients for slope in gradient)
+        """What an initial state is checked with: each g, then each (g_t, ∇g), then the field of each region."""
+        slopes = (g.diff(v) for g in self.surfaces for v in (TIME, *self.x))
         return (*self.surfaces, *slopes, *(f for mode in self.regions for f in mode.written.field))
 
     @cached_property

@@ -73,7 +73,7 @@ def read_switching(
     ------
     ValueError
         If a text cannot be read, nothing switches, there are more than 6 surfaces, or the sign of a switching function
-        depends on parameters or time alone. The message says what would do.
+        depends on parameters alone. The message says what would do.
     """
     return _read(tuple(variables), tuple(parameters), tuple(f), tuple(psi), tuple(bounds) or (None,) * len(parameters))
 
@@ -197,7 +197,7 @@ class _Field:
                 g, s = _with_leading_one(factor, self.x)
                 possible = [1] if _is_definite(g) else self._possible(g, {})
                 sign *= s * (possible[0] if len(possible) == 1 else 1)
-                if len(possible) == 2 and g.has(*self.x):
+                if len(possible) == 2 and g.has(*self.x, TIME):
                     changing.append(g)
                     self._texts.setdefault(g, min(map(to_text, (g, g.primitive()[1], s * written)), key=len))
                 elif len(possible) == 2:
@@ -211,11 +211,8 @@ class _Field:
         return self._known[u]
 
     def _check_silent(self, silent: Expr, changing: list[Expr], called: str) -> None:
-        """Refuse factors without variables, unless they are parameters that multiply one surface wherever it occurs."""
+        """Refuse factors of parameters alone, unless they multiply one surface wherever it occurs."""
         names, shown = ", ".join(sorted(map(str, silent.free_symbols))), quoted(to_text(silent))
-        if silent.has(TIME):
-            remedy = "take a further variable s with s' = 1, and write s in place of t"
-            raise ValueError(f"{called}: the sign of {shown} changes with time alone, at no surface; {remedy}")
         if names and not changing:
             remedy = f"give {names} bounds within which it stays"
             raise ValueError(f"{called}: the sign of {shown} depends on parameters alone, at no surface; {remedy}")
@@ -285,11 +282,11 @@ def _is_definite(g: Expr) -> bool:
 
 
 def _with_leading_one(u: Expr, x: Sequence[Symbol]) -> tuple[Expr, int]:
-    """u divided by the coefficient of the highest power of the first variable that it names, and the sign of that."""
+    """u divided by the coefficient of the highest power of the first variable, or t, in it, and the sign of that."""
     if not u.free_symbols:
         value = float(u.evalf())
         return Integer(1), (value > 0) - (value < 0)
-    name = next((v for v in x if u.has(v)), min(u.free_symbols, key=str))
+    name = next((v for v in (*x, TIME) if u.has(v)), min(u.free_symbols, key=str))
 
     def rank(term: Expr) -> tuple[bool, Expr]:
         power = Integer(0) + term.as_powers_dict()[name]

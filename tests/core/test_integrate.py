@@ -99,6 +99,34 @@ def test_moving_surface_is_met_where_it_is():
     assert t - math.sin(t) / 2 - 1 == pytest.approx(0.0, abs=4 * EPS)
 
 
+def square_wave(g, **more):
+    """x' = −1 where g < 0 and +1 where g > 0, and y' = 0."""
+    return core.PiecewiseSystem("square wave", ("x", "y"), ("-1", "0"), ("1", "0"), g, x0=(0.0, 0.0), **more)
+
+
+@pytest.mark.parametrize("method", ["rk2", "rk8", "gauss4", "taylor", "dmm2"])
+@pytest.mark.parametrize(("t0", "t1", "x"), [(0.0, 4.0, 2 * math.pi - 4), (0.0, -4.0, 2 * math.pi - 4), (1.0, 0.0, -1)])
+def test_a_law_that_switches_at_instants_begins_on_the_side_ahead(method, t0, t1, x):
+    run = core.integrate(square_wave("sin(t)"), (t0, t1), tau=0.3, method=method)
+    assert run.status is Status.COMPLETED
+    assert np.abs(run.crossings.t) == pytest.approx([math.pi] if abs(t1) == 4.0 else [0.0][: len(run.crossings)])
+    assert run.x[-1] == pytest.approx([x, 0.0], abs=1e-14)
+
+
+def test_a_kick_at_an_instant_changes_the_state_once_at_each():
+    run = core.integrate(square_wave("sin(t)", jump=("x", "y + t")), (0.0, 7.0), tau=0.3, method="rk4")
+    assert run.crossings.t == pytest.approx([math.pi, 2 * math.pi])
+    assert run.x[-1, 1] == pytest.approx(3 * math.pi)
+
+
+def test_an_instant_at_which_g_has_a_multiple_zero_is_told():
+    run = core.integrate(square_wave("(t - 3)**3"), (0.0, 4.0), tau=0.3, method="rk4")
+    assert (run.status, run.t[-1]) == (Status.GRAZING, pytest.approx(3.0))
+    assert "Write g such that it has a simple zero on the surface" in run.message
+    with pytest.raises(ValueError, match="g and its gradient vanish there"):
+        core.integrate(square_wave("(t - 3)**3"), (3.0, 4.0), method="rk4")
+
+
 # Crossings -----------------------------------------------------------------------------------------------------------
 
 

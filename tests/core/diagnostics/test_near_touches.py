@@ -116,3 +116,10 @@ def test_a_touch_of_a_power_of_the_distance_is_told_of_the_longest_steps(power, 
             )  # fmt: skip
             run = core.integrate(system, (0.0, 1.3 * end), method="taylor")
             assert bool(run.warning) is told, (w, x0, run.message)
+
+
+def test_what_is_told_of_an_instant_that_hardly_comes_does_not_name_the_start():
+    wave = core.PiecewiseSystem("wave", ("x",), ("-x",), ("1",), "sin(t) + 0.999999999999999", x0=(1.0,))
+    warning = core.integrate(wave, (0.0, 10.0), tau=0.01, method="rk4").warning
+    assert WORDS in warning
+    assert "no step size helps: change a parameter" in warning

@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 import core
 from core import PiecewiseSystem, Region
+from core.integration.starting import onto_surfaces
 from tests.levels import deep_but
 
 SIGNS = tuple(product((-1, 1), repeat=2))
@@ -236,3 +237,11 @@ def test_a_jump_beyond_one_wall_leads_on_by_the_jump_of_that_wall(surfaces):
     assert run.message == "t = 1.5: reached the end time."
     assert [run.system.surfaces[k] for k in run.crossings.surface_met] == ["x - 1", "y - 1"]
     assert run.x[-1] == pytest.approx([0.5, 0.0, -0.35], abs=1e-14)
+
+
+def test_at_an_instant_the_state_is_put_on_the_other_surfaces_of_the_corner():
+    names = dict.fromkeys(("--", "-+", "+-", "++"), Region(("1", "1")))
+    corner = PiecewiseSystem("instant", ("x", "y"), surfaces=("y + x**3", "t - 2"), regions=names)
+    x = onto_surfaces(corner, 2.0, np.array([1.0, -1.0 + 1e-9]), (0, 1))
+    assert x[1] + x[0] ** 3 == pytest.approx(0.0, abs=1e-15)
+    assert onto_surfaces(corner, 2.0, x, (1,)).tolist() == x.tolist()

@@ -46,3 +46,12 @@ def test_a_relay_with_hysteresis_grazes_the_guard_at_which_it_would_switch():
     assert found.value == pytest.approx(-1.0, abs=4e-16)
     assert (found.expected == [[1], [0]]).all()
     assert found.missed[0, 0, -1] == 1
+
+
+def test_an_instant_is_grazed_from_no_start():
+    law = core.CATALOGUE["harmonic_oscillator"]
+    wave = core.PiecewiseSystem("wave", law.variables, law.f_minus, law.f_plus, "sin(t)", parameters=law.values,
+                                x0=law.x0)  # fmt: skip
+    found = stability_study(wave, (0, 6), methods=("rk4",), tau=0.05, parts="grazing").grazing
+    assert found.searched
+    assert not found.found

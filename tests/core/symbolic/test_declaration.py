@@ -46,6 +46,20 @@ def test_what_is_conserved_is_judged_on_each_side_whose_law_can_be_read():
     assert to_text(wrong.verdicts["-"][0].left_over) in wrong.verdicts["-"][0].objection
 
 
+@pytest.mark.parametrize(
+    ("g", "words"),
+    [
+        ("t - 3", None), ("sin(k*t)", None), ("t*(t - k)", None), ("y - t", None),
+        ("k - 3", "names no variable and not t, so it has no zero: it has to contain one of t, x, y"),
+        ("(t - 3)**2", "nowhere negative"), ("t**2 + 1", "positive everywhere"),
+    ],
+)  # fmt: skip
+def test_a_law_may_switch_where_a_function_of_time_changes_its_sign(g, words):
+    problems = oscillator(g=(g,)).problems
+    assert len(problems) == (words is not None)
+    assert all(problem.field == "g" and words in problem.message for problem in problems)
+
+
 def test_messages_call_the_parts_as_they_are_asked_to():
     called = oscillator(psi_minus=("x",), called=lambda field, entry: f"<{field} {entry}>")
     (problem,) = called.problems

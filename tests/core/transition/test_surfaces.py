@@ -446,6 +446,12 @@ def test_a_jump_at_a_surface_that_is_not_there_is_refused(number):
         declared(**_TWO, jumps={number: ("x", "-v")})
 
 
+def test_a_wall_in_time_is_refused():
+    laws = {"regions": {"+-": core.Region(("1",)), "++": core.Region(("2",))}, "jumps": {0: ("x + 1",)}}
+    with pytest.raises(ValueError, match="no jump leads back from where it is 0: declare a law of region '--'"):
+        core.PiecewiseSystem("wall in time", ("x",), surfaces=("3 - t", "x"), **laws)
+
+
 def test_a_jump_of_another_dimension_is_refused():
     with pytest.raises(ValueError, match=r"jumps\[1\] = \('x',\): 1 expression given, 2 needed"):
         declared(**_TWO, jumps={1: ("x",)})
