@@ -201,7 +201,11 @@ class ScalarFunctions:
         if self.laws.two_sided:
             return self.laws.label(self._of_two(0, 0, t, x, 0.0))
         place = first_place(self.system, t, x)
-        return self.laws.label(place.region or 0)
+        region = place.region or 0
+        way = self.laws.ways[region][place.guard]
+        if way.to is not None and way.back is not None:  # of two sides of the surface on which it may begin
+            region = self._of_two(region, place.guard, t, x, 0.0)
+        return self.laws.label(region)
 
     def landing(self, t: float, x: Floats, label: int, guard: int, since: float) -> tuple[int, Floats]:
         """Label and state (d,) after a segment in a mode, begun at time `since`, has met its guard at (t, x)."""

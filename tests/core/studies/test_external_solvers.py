@@ -150,3 +150,11 @@ def test_the_change_of_psi_adds_up_over_visits_forgets_jumps_between_them_and_se
     assert arcs.change_of_psi(HARMONIC) == pytest.approx(3.0, abs=1e-15)
     assert Arcs([1], arcs.entered[:1], arcs.left[:1], seen=arcs.seen[:1]).change_of_psi(HARMONIC) == 1.5
     assert math.isnan(arcs.change_of_psi(core.CATALOGUE["gene_switch"]))
+
+
+def test_of_several_surfaces_one_on_which_it_begins_is_left_to_where_the_field_leads(solver):
+    regions = {a + b: core.Region((f"{b}1", "1")) for a in "+-" for b in "+-"}
+    wave = core.PiecewiseSystem("wave", ("x", "y"), surfaces=("y - 1/2", "-sin(t)"), regions=regions, x0=(0.0, 0.0))
+    arcs = solve(solver, wave, 4.0)
+    assert [t for t, _ in arcs.left] == pytest.approx([0.5, math.pi, 4.0])
+    assert arcs.left[-1][1] == pytest.approx([4.0 - 2 * math.pi, 4.0])
