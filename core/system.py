@@ -50,7 +50,8 @@ class PiecewiseSystem:
     f_minus, f_plus
         d expressions each: regions "-" and "+" of the surface g.
     g
-        The switching function; ∇g ≠ 0.
+        The switching function, whose gradient in (t, x) is not zero where g = 0. It may name time alone, as sin(t): the
+        law then switches at instants, wherever the state is.
     psi_minus, psi_plus
         0 to d − 1 conserved quantities of each side, () where none is known. For a planar divergence-free field the
         stream function is then found, where that is easy (see `stream_function`).
@@ -59,7 +60,7 @@ class PiecewiseSystem:
     x0
         Default initial state, d numbers; zeros where not given.
     jump
-        d expressions: the state after reaching the surface, for impacts. None or (): the state is continuous.
+        d expressions: the state after reaching the surface, for impacts and kicks. None or (): the state is continuous.
     doc
         Description of the system, in a sentence or two.
     surfaces

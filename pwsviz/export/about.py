@@ -8,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 
 import core
+from pwsviz.geometry.projection import time_shown
 from pwsviz.geometry.shades import region_name
 from pwsviz.scene.equations import equations
 from pwsviz.scene.names import met_at_surfaces, short_name
@@ -118,8 +119,8 @@ def _begins(scene: Scene, starts: Sequence[Sequence[float]]) -> str:
     system = scene.build()
     if system.two_sided or system.laws.sides.shape[1]:
         return ""
-    states = np.array(starts)
-    inside = [np.min(system.heights(k, 0.0, states), axis=-1) > 0.0 for k in range(len(system.laws.regions))]
+    states, t = np.array(starts), time_shown(system)
+    inside = [np.min(system.heights(k, t, states), axis=-1) > 0.0 for k in range(len(system.laws.regions))]
     of_start = [next((k for k, holds in enumerate(inside) if holds[n]), None) for n in range(len(states))]
     names = ["" if k is None else region_name(system.laws.regions[k]) for k in of_start]
     several = f"s {listed(names)}" if len({*names}) > 1 else f" {names[0]}"

@@ -195,7 +195,7 @@ class Ground:
     def _show_entries(self, backdrop: Backdrop, seen: Window) -> None:
         """Let a key stand in the legend for what is seen alone; of what moves, for what may be at another time."""
         moving = bool(backdrop.formulas["moving"] and backdrop.formulas["regions"])
-        self._surface_entry.visible = moving or any_seen(backdrop.surface, seen)
+        self._surface_entry.visible = (moving and backdrop.formulas["drawn"]) or any_seen(backdrop.surface, seen)
         self._tint_entry.visible = moving or _any_seen(backdrop.minus_outer, seen)
         name = backdrop.formulas["bare"]
         self._bare_entry.visible = bool(name) and (moving or _any_seen(backdrop.bare_outer, seen))

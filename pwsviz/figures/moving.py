@@ -32,7 +32,7 @@ const heights = (given?.g ?? []).map(formula)
 REPAINT = (
     FORMULAS
     + """
-const t = clock.data.t[0], running = clock.data.running[0]
+const t = clock.data.t[0] + (given?.after ?? 0), running = clock.data.running[0]
 // Outline where values at the nodes of a grid are below 0: in pieces to fill, and in the segments of its edge.
 const trace = (xs, ys, values, fill, edge) => {
   for (let j = 0; j + 1 < ys.length; j++) {
@@ -93,7 +93,7 @@ if (given?.moving && given.regions.length > 0) {
   if (given.bare != "") { filled(bare, given.regions.map(([sides]) => sides), 1) }
   surface.setv({ data: { x: sx, y: sy } }, { sync: false })
   const name = heights.length == 1 ? "S: g = 0" : "surfaces"
-  const label = { value: running ? name : `${name} at t = 0` }
+  const label = { value: running || !given.curves_move ? name : `${name} at t = 0` }
   if (entry.label?.value != label.value) { entry.setv({ label }, { sync: false }) }  // each change rebuilds the legend
   for (const [sources, sign] of [[lines_below, -1], [lines_above, 1]]) {
     for (const source of sources) {  // lines that are hidden on the other side
@@ -125,7 +125,7 @@ if (inside && cb_obj.event_name != "mouseleave") {
   }
   const [of_x, of_y] = given?.units ?? [1, 1]
   words.push(`${formulas.data.across[0]} = ${fixed(x, of_x)}, ${formulas.data.up[0]} = ${fixed(y, of_y)}`)
-  const t = clock.data.t[0], signs = heights.map(height => Math.sign(height?.(x, y, t)))
+  const t = clock.data.t[0] + (given?.after ?? 0), signs = heights.map(height => Math.sign(height?.(x, y, t)))
   const region = (given?.regions ?? []).find(([sides]) => sides.every((sign, k) => sign == signs[k]))
   if (region != null) {
     words.push(region[1])

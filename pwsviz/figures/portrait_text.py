@@ -14,9 +14,10 @@ from pwsviz.geometry.projection import (
     PLANE,
     forced,
     is_divided,
-    moves,
+    moves_curves,
     planes_alike,
     psi_names_time,
+    shows_regions,
     shows_surface,
     surface_texts,
     surfaces_shown,
@@ -267,9 +268,15 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = Fals
     elif not system.laws.sides.shape[1]:
         sentences.append("The regions overlap; their fields are therefore not drawn.")
     elif not is_divided(system):
-        sentences.append("The surfaces move, and the regions between them: their fields and level sets are not drawn.")
-    if moves(system) and shows_surface(system, axes):
-        animated = ", and while animated at the time shown" * (not caption)
+        sentences.append("The regions change with time: their fields and level sets are not drawn.")
+    animated = ", and while animated at the time shown" * (not caption)
+    if system.laws.instants and shows_regions(system, axes):
+        which = " or ".join(f"{readable(surface_texts(system)[k], system)} = 0" for k in sorted(system.laws.instants))
+        sentences.append(
+            f"At the instants at which {which} the law changes in the whole plane at once; the regions are shown just "
+            f"after t = 0{animated}."
+        )
+    elif moves_curves(system) and shows_surface(system, axes):
         sentences.append(f"The surface moves with time; it and the regions are shown at t = 0{animated}.")
     elif forced(system) and system.dimension == PLANE:
         sentences.append("The field depends on time: it is drawn at t = 0.")

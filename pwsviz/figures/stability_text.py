@@ -151,6 +151,8 @@ def _drift_words(drift: Drift) -> str:
 def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
     """Say where the tangency is."""
     name = variable_name(study.coordinate_name)
+    if grazing.instants:
+        return "There is no tangency: the law changes at instants only, which a trajectory meets wherever it is."
     if not grazing.found:
         low, high = grazing.between
         where = f"{name} from {low:.4g} to {high:.4g}"

@@ -9,7 +9,7 @@ import core
 from core.diagnostics import inhabited
 from pwsviz.geometry.plane import Axes
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import PLANE, is_divided, planes, surfaces_shown
+from pwsviz.geometry.projection import PLANE, is_divided, planes, surfaces_shown, time_shown
 from pwsviz.geometry.window import Window
 
 __all__ = ["first_plane", "with_room"]
@@ -95,7 +95,7 @@ def _lawful(system: core.PiecewiseSystem, window: Window) -> NDArray[np.bool_]:
     with np.errstate(all="ignore"):
         for mode in sorted(inhabited(system)):
             law = system.laws.regions[mode]
-            inside = system.heights(mode, 0.0, states).min(axis=-1) > 0
+            inside = system.heights(mode, time_shown(system), states).min(axis=-1) > 0
             for values in (system.field(law.name, 0.0, states), system.conserved(law.name, 0.0, states)):
                 inside = inside & np.isfinite(values).all(axis=-1)
             lawful |= inside

@@ -10,7 +10,16 @@ import sympy
 import core
 from core.symbolic import TIME, Mode
 from pwsviz.geometry.plane import Plane
-from pwsviz.geometry.projection import PLANE, forced, moves, shows_regions, surfaces_shown
+from pwsviz.geometry.projection import (
+    PLANE,
+    forced,
+    moves,
+    moves_curves,
+    shows_regions,
+    shows_surface,
+    surfaces_shown,
+    time_shown,
+)
 from pwsviz.geometry.shades import region_name
 from pwsviz.geometry.walls import bare_name
 from pwsviz.text.math_names import quantity_name, unicode_name
@@ -65,7 +74,9 @@ def formulas(system: core.PiecewiseSystem, plane: Plane, there: Collection[int])
         "g": for each surface, a tree in the names x, y and t, or None where its value is not known from the two shown
         variables; "regions": for each of these the signs of the surfaces in it, its name, the name of its first ψ, and
         a tree of that or None; "bare": the name of the rest of the plane, "" for none; "moving" and "forced": whether a
-        g, and whether a field depends on time; "units": of the two shown variables.
+        g, and whether a field depends on time; "drawn" and "curves_move": whether a surface is a curve, and
+        whether one moves; "after": the time after that of
+        the picture at which g is evaluated; "units": of the two shown variables.
     """
     laws = system.laws
     across, up = (laws.x[k] for k in plane.axes)
@@ -83,6 +94,9 @@ def formulas(system: core.PiecewiseSystem, plane: Plane, there: Collection[int])
         ],
         "bare": bare_name(system, there),
         "moving": moves(system),
+        "drawn": shows_surface(system, plane.axes),
+        "curves_move": moves_curves(system),
+        "after": time_shown(system),
         "forced": forced(system),
         "units": list(plane.units),
     }  # fmt: skip

@@ -24,6 +24,7 @@ from pwsviz.geometry.projection import (
     shows_regions,
     shows_sliding,
     surfaces_shown,
+    time_shown,
 )
 from pwsviz.geometry.shades import regions_of
 from pwsviz.geometry.walls import bare_name
@@ -162,6 +163,7 @@ class _Grid:
         self.system = system
         self.window = window
         self.plane = plane
+        self.time = time_shown(system)
         self.side = max(min(window.width, window.height), window.longest / SLENDER)  # to which lines are fine
         self.x, self.y = self._axes(self.side / GRID)
         self.grid = self._states(*np.meshgrid(self.x, self.y))
@@ -186,12 +188,12 @@ class _Grid:
     def _switching(self, k: int) -> Floats:
         """Return a switching function on the grid, by its number."""
         laws = self.system.laws
-        values = laws.evaluate(("g", k), (laws.surfaces[k],), 0.0, self.grid, self.system.parameter_array)
+        values = laws.evaluate(("g", k), (laws.surfaces[k],), self.time, self.grid, self.system.parameter_array)
         return np.asarray(values)[..., 0]
 
     def _height(self, mode: int, states: Floats) -> Floats:
         """Return the least guard of a mode, which is positive inside it."""
-        heights: Floats = self.system.heights(mode, 0.0, states).min(axis=-1)
+        heights: Floats = self.system.heights(mode, self.time, states).min(axis=-1)
         return heights
 
     def _heights(self, mode: int) -> Floats:

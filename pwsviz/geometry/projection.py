@@ -25,6 +25,9 @@ Name = TypeVar("Name")
 PLANE = 2
 """Dimension of a portrait."""
 
+JUST_AFTER = 1e-9
+"""Time after that of a picture at which the law is shown: at that time itself it may change."""
+
 _NUMBERED = re.compile(r"(\D+)(\d+)")
 
 
@@ -57,8 +60,8 @@ def surfaces_shown(system: core.PiecewiseSystem, axes: Axes) -> list[int]:
 
 
 def shows_surface(system: core.PiecewiseSystem, axes: Axes) -> bool:
-    """Whether a surface is a curve in the plane."""
-    return bool(surfaces_shown(system, axes))
+    """Whether a surface is a curve in the plane: an instant is none."""
+    return bool({*surfaces_shown(system, axes)} - system.laws.instants)
 
 
 def shows_regions(system: core.PiecewiseSystem, axes: Axes) -> bool:
@@ -89,7 +92,7 @@ def shows_sliding(system: core.PiecewiseSystem) -> bool:
 def surface_name(system: core.PiecewiseSystem) -> str:
     """Return the name of the surface in the legend."""
     name = "S: g = 0" if len(system.laws.surfaces) == 1 else "surfaces"
-    return f"{name} at t = 0" if moves(system) else name
+    return f"{name} at t = 0" if moves_curves(system) else name
 
 
 def surface_texts(system: core.PiecewiseSystem) -> tuple[str, ...]:
@@ -141,8 +144,18 @@ def _others(names: Sequence[Name], axes: Axes) -> list[Name]:
 
 
 def moves(system: core.PiecewiseSystem) -> bool:
-    """Whether a surface moves: its g names time."""
+    """Whether the regions change with time: a g names it."""
     return any(TIME in _symbols(g) for g in system.laws.surfaces)
+
+
+def moves_curves(system: core.PiecewiseSystem) -> bool:
+    """Whether a surface moves: its g names time and a variable."""
+    return any(TIME in _symbols(g) for k, g in enumerate(system.laws.surfaces) if k not in system.laws.instants)
+
+
+def time_shown(system: core.PiecewiseSystem) -> float:
+    """Return the time at which the regions are drawn: t = 0, or just after, as the law may change at an instant."""
+    return JUST_AFTER if system.laws.instants else 0.0
 
 
 def forced(system: core.PiecewiseSystem) -> bool:

@@ -138,6 +138,20 @@ def test_of_moving_surfaces_the_tint_leaves_out_a_region_that_is_not_declared(vi
             assert painted(page, on, SURFACE) > 10
 
 
+def test_where_the_law_changes_at_instants_the_whole_plane_changes_its_shade(visit):
+    scene = Scene()
+    scene.use(core.PiecewiseSystem("Wave", ("x", "y"), ("y", "-x"), ("y", "-2*x"), "sin(t)", x0=(1.0, 0.0)))
+    page = visit(query=f"{query(scene)}&t_end=8&window=-3,3,-3,3")
+    await_painted(page, "Phase portrait")
+    await_that(page, PORTRAIT)
+    await_still(page)
+    slider = animate(page)
+    for time, shaded in ((0.0, False), (1.0, False), (4.0, True), (7.0, False)):
+        at_time(page, slider, time)
+        for place in ((2.5, 2.5), (-2.4, 0.3), (0.3, -2.6)):
+            assert becomes(page, lambda place=place, shaded=shaded: tinted(page, place) == shaded)
+
+
 def test_all_starts_move_and_one_click_and_the_space_bar_play(shown):
     page = shown(starts=((-1.0, -1.0), (-1.0, -0.5)))
     page.get_by_role("button", name="Animate").click()

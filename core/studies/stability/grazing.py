@@ -43,6 +43,8 @@ class Grazing(Brief):
 
     searched: bool
     """Whether a tangency was sought; otherwise the rest has no meaning."""
+    instants: bool
+    """Whether all surfaces are instants, which no trajectory touches: none is then sought."""
     between: tuple[float, float]
     """Least and greatest value of the coordinate of x₀ between which a tangency was sought."""
     value: float
@@ -111,8 +113,7 @@ def count(plan: Plan) -> int:
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[Grazing]:
     """Yield the results so far after the search for a tangency, and after each start near it."""
     try:
-        laws = plan.system.laws  # whether a trajectory touches an instant does not depend on its start
-        tangency = None if len(laws.instants) == len(laws.surfaces) else find_tangency(plan, cancel)
+        tangency = None if _has_instants_alone(plan) else find_tangency(plan, cancel)
     except Cancelled:
         return
     found = _empty(plan, tangency)
@@ -131,12 +132,18 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
         yield replace(found, **{name: getattr(found, name).copy() for name in filled})
 
 
+def _has_instants_alone(plan: Plan) -> bool:
+    laws = plan.system.laws
+    return len(laws.instants) == len(laws.surfaces)
+
+
 def _empty(plan: Plan, tangency: Tangency | None) -> Grazing:
     n, m = len(_DELTAS) if tangency else 0, len(plan.methods)
     value, size = (tangency.value, tangency.size) if tangency else (np.nan, 1.0)
     delta = _DELTAS[:n] * size
     return Grazing(
         searched=True,
+        instants=_has_instants_alone(plan),
         value=value,
         between=(float(plan.values[0]), float(plan.values[-1])),
         time=tangency.time if tangency else np.nan,

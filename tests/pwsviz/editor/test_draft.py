@@ -305,7 +305,7 @@ def test_numbers_may_be_written_as_constants():
         ("f_plus", "", "No expressions given, 2 needed"),
         ("g", "", "Type one expression"),
         ("g", "x, y", "Type one expression"),
-        ("g", "k - 3", "“k - 3” names no variable"),
+        ("g", "k - 3", "“k - 3” names no variable and not t"),
         ("psi_minus", "x**2", "ψ₋ = “x**2” is not conserved by f₋: correct ψ₋ or f₋, or remove ψ₋"),
         ("psi_minus", "x**2", "its time derivative is 2*x*y, not 0"),
         ("psi_minus", "log(-1 - x**2)", "ψ₋ = “log(-1 - x**2)” has no real value where g < 0"),

@@ -283,6 +283,8 @@ def test_without_a_conserved_quantity_and_without_a_tangency_there_are_words(wit
     assert np.isnan(view._made["drift"].curves.data["ys"][0]).all()
     assert "No conserved quantity is known" in stability_text(without, "drift")
     assert "No tangency" in stability_text(without, "grazing")
+    instants = replace(without, grazing=replace(without.grazing, instants=True))
+    assert "There is no tangency: the law changes at instants only" in stability_text(instants, "grazing")
 
 
 # Words and columns ---------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ import pytest
 import core
 from core.diagnostics import inhabited
 from pwsviz.figures.portrait_text import law_markup, portrait_note
+from pwsviz.geometry.line_pieces import area
 from pwsviz.geometry.phase_plane import backdrop, closed_surface
 from pwsviz.geometry.plane import Plane
 from pwsviz.geometry.projection import (
@@ -170,6 +171,22 @@ def test_what_changes_with_time_is_named():
     assert shows_levels(moving)
     assert not shows_levels(damped)
     assert "level sets move" in portrait_note(damped, XY)
+
+
+@pytest.mark.parametrize(("g", "side"), [("sin(t)", 1), ("-sin(t)", -1), ("t - 3", -1), ("3 - t", 1)])
+def test_where_the_law_changes_at_instants_the_whole_plane_is_on_the_side_just_after_the_beginning(g, side):
+    wave = core.PiecewiseSystem("wave", ("x", "y", "z"), ("y", "-x", "0"), ("y", "-2*x", "0"), g)
+    for system, note in ((wave, "t = 0"), (core.PiecewiseSystem("w", ("x", "y"), ("y", "-x"), ("y", "-2*x"), g), "")):
+        ground = backdrop(system, WINDOW, {})
+        assert not shows_surface(system, XY)
+        assert shows_regions(system, XY)
+        assert not np.isfinite(ground.surface).any()
+        assert sum(map(area, ground.minus_outer)) == pytest.approx(16.0 if side < 0 else 0.0)
+        assert surface_name(system) == "S: g = 0"
+        assert "the law changes in the whole plane at once" in portrait_note(system, XY)
+        assert note in portrait_note(system, XY)
+    assert np.isfinite(ground.arrows[side]).any()
+    assert not np.isfinite(ground.arrows[-side]).any()
 
 
 def test_a_planar_system_at_rest_needs_no_words():
