@@ -51,7 +51,7 @@ def first_places(laws: Laws, t: float, x: Floats, p: Floats, given: int = NO_MOD
     parameters = np.ascontiguousarray(p.T)
     values = laws.evaluate("start", laws.at_start, t, x, parameters)
     both = laws.evaluate("surfaces", with_roundings(laws.surfaces), t, x, parameters)
-    heights, doubts, fields = values[:, :count], _EPS * both[:, count:], values[:, count * (1 + d) :]
+    heights, doubts, fields = values[:, :count], _EPS * both[:, count:], values[:, count * (2 + d) :]
     met, off = np.abs(heights) <= _ZERO * doubts, np.abs(heights) > _NOT_ZERO * doubts  # both False of nan
     clear = (met | off).all(axis=1) & (met.sum(axis=1) <= 1)
     plain = (np.isfinite(heights) & off).all(axis=1)
