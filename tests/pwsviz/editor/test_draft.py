@@ -335,6 +335,13 @@ def test_a_mistake_is_told_beside_its_field_with_what_would_do(field, text, says
     assert checked.system is None
 
 
+def test_a_law_may_switch_at_instants():
+    checked = check(replace(OSCILLATOR, g="sin(t)"))
+    assert checked.complaints == {}
+    assert checked.system is not None
+    assert checked.system.laws.instants == {0}
+
+
 @pytest.mark.parametrize(
     "laws", [{}, {"g": "k"}, {"f_minus": "", "f_plus": "", "g": "", "f": "y, -x"}], ids=["sides", "no variable", "one"]
 )
