@@ -95,7 +95,7 @@ class NumberField(pn.viewable.Viewer):
         self._read, self._accept, self._later, self._written = read, accept, later, written
         self._log = logarithmic
         self._syncing = False
-        self._shown, self._shown_as = math.nan, ""
+        self._shown, self._shown_as, self._in_force = math.nan, "", ""
         self.entry = NumberEntry(
             label=label, description=description, sizing_mode="stretch_width", margin=0, **self._track(bounds, read())
         )
@@ -121,7 +121,9 @@ class NumberField(pn.viewable.Viewer):
         """Rebind to another number: ten times as fast as a new field."""
         self._read, self._accept = read, accept
         self._shown = value = read()
-        self._tell(label=label, description=description, **_told(value), **self._track(bounds, value))
+        told = _told(value)
+        self._in_force = told["text"]
+        self._tell(label=label, description=description, **told, **self._track(bounds, value))
 
     def _tell(self, **changes: Any) -> None:
         """Change what the browser shows, each setting once: of two changes at once it may restore the first."""
@@ -156,7 +158,7 @@ class NumberField(pn.viewable.Viewer):
 
     def _refusal(self, reason: ValueError) -> str:
         """Return why a text is refused, and the number that is used still."""
-        return f"{printed(str(reason)).rstrip('.')}. Still in use: {printed(shortest(self.entry.value))}."
+        return f"{printed(str(reason)).rstrip('.')}. Still in use: {printed(self._in_force)}."
 
     def _slide(self, place: float) -> None:
         if self._syncing:
@@ -181,6 +183,7 @@ class NumberField(pn.viewable.Viewer):
         """Show a number, as it was typed if that is a formula."""
         self._shown, self._shown_as = value, self._written()
         changes: dict[str, Any] = _told(value, typed or self._shown_as)
+        self._in_force = changes["text"]
         if self.entry.ends is not None and self._from_slider(self.entry.place) != value:
             low, high = self.entry.ends
             changes["place"] = min(max(self._to_slider(value), low), high)

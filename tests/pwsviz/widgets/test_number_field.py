@@ -51,6 +51,9 @@ def test_a_refusal_names_the_number_that_is_used_still():
     assert number.field.entry.complaint.endswith(". Still in use: 0.25.")
     number.field.type("0.5")
     assert not number.field.entry.complaint
+    number.field.type("2pi")
+    number.field.type("2pj")
+    assert number.field.entry.complaint.endswith(". Still in use: 2pi."), "as it was typed"
 
 
 def test_a_ratio_is_shown_as_one():
