@@ -65,6 +65,10 @@ It adds what the ranges follow, by which the server knows of what was told befor
 """
 
 
+def _nothing(_window: Window) -> Window | None:
+    return None
+
+
 class PointCloud:
     """Points of several kinds, each with its colour; `show` again with more of them as they come.
 
@@ -99,7 +103,7 @@ class PointCloud:
         self.figure, self.colours, self._on_window = plot, tuple(colours), on_window
         self._portions: list[Portion] = []
         self._extent: Window | None = None
-        self._least = 0.0
+        self._least, self._around = 0.0, _nothing
         self._counts: PointCounts | None = None
         self._in_sight = 0
         self._shape = USUAL_SHAPE
@@ -167,7 +171,9 @@ class PointCloud:
         """Number of points."""
         return sum(len(portion.x) for portion in self._portions)
 
-    def show(self, portions: Sequence[Portion], least: float = 0.0) -> None:
+    def show(
+        self, portions: Sequence[Portion], least: float = 0.0, around: Callable[[Window], Window | None] = _nothing
+    ) -> None:
         """Draw these points, and no others; those that were drawn before and come first again are not counted anew.
 
         Parameters
@@ -176,8 +182,10 @@ class PointCloud:
             The points. Of the same objects as before, and further ones, only the latter cost anything.
         least
             Extent of points, across or up, that is round-off: below it they are drawn on a line.
+        around
+            Returns what else is to be seen, of a window that holds all points with some margin.
         """
-        self._least = least
+        self._least, self._around = least, around
         known = len(self._portions)
         if len(portions) < known or any(one is not old for one, old in zip(portions, self._portions, strict=False)):
             known, self._counts = 0, None
@@ -225,6 +233,9 @@ class PointCloud:
             return
         held = Window(*self.corners.data["x"], *self.corners.data["y"])
         room = _roomy(extent, self._least)
+        if (more := self._around(room)) is not None:
+            extent = _joined(extent, more) or extent
+            room = _roomy(extent, self._least)
         ample = held.width <= 1.5 * room.width and held.height <= 1.5 * room.height
         if not (held.covers(extent) and ample):
             if self.window == held:

@@ -55,6 +55,9 @@ SURFACE_MARKERS = ("circle", "square", "triangle", "diamond", "inverted_triangle
 DOUBLE = 0.5
 """Seconds between two clicks that are one double click."""
 
+CLOSED = 4.0
+"""Size of the window within which a surface is looked for that is to be seen whole, relative to that of the points."""
+
 BEYOND = 2.0
 """Size of the window in which the surface is drawn, relative to what is seen: a pan shows it at once."""
 
@@ -154,7 +157,8 @@ class SectionView:
             self._name(system, axes, return_map)
         self._key = key
         self._make(outcome, axes, return_map)
-        self.cloud.show([one for _, made in self._made for one in made], ROUND_OFF * _size(outcome))
+        points = [one for _, made in self._made for one in made]
+        self.cloud.show(points, ROUND_OFF * _size(outcome), self._closed_surface)
         self._number(outcome, axes, return_map)
         self._trace_surface()
 
@@ -169,6 +173,20 @@ class SectionView:
         assign(self.surface, x=lines[:, 0], y=lines[:, 1])
         self._surface_entry.label = value("h = 0" if of else "S: g = 0")
         self._surface_entry.visible = bool(np.isfinite(lines).any())
+
+    def _closed_surface(self, window: Window) -> Window | None:
+        """Return what holds the surface, if it is drawn as closed curves that reach little beyond a window."""
+        if self._key is None or self._key[-1]:
+            return None
+        system, of, axes, _ = self._key
+        wide = window.scaled(CLOSED)
+        lines = surface_curves(system, of, axes, wide)
+        lines = lines[np.isfinite(lines).all(axis=1)]
+        if not len(lines):
+            return None
+        (x_low, y_low), (x_high, y_high) = lines.min(axis=0).tolist(), lines.max(axis=0).tolist()
+        held = Window(x_low, x_high, y_low, y_high)
+        return held if wide.scaled(0.99).covers(held) else None
 
     def _name(self, system: core.PiecewiseSystem, axes: tuple[int, int], return_map: bool) -> None:
         across, up = (coordinate_label(system, k) for k in axes)

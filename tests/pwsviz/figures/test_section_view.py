@@ -170,3 +170,14 @@ def test_a_table_has_a_row_for_each_point_start_by_start():
     assert table["start"].tolist() == [1, 1, 2]
     assert table["point"].tolist() == [1, 2, 1]
     assert table["phi"].tolist() == [1.0, 2.0, 4.0]
+
+
+@pytest.mark.parametrize(("radius", "whole"), [(1.0, True), (3.0, False)])
+def test_a_closed_surface_is_seen_whole_unless_it_is_far_larger_than_what_the_points_take(view, radius, whole):
+    x = np.array([[-0.8, 0.6], [0.1, 0.99], [0.5, 0.4]])
+    found = SectionPortion(0, np.arange(3.0), x, np.zeros(3, dtype=np.int16), np.zeros(3, dtype=np.int8))
+    scene = Scene(system="elliptic_curve", values={"r": radius}, section_points=3)
+    inputs = SectionInputs.of_scene(scene)
+    view.show(SectionPoints(inputs, (found,), (Status.CROSSING_LIMIT,), (7.5,)), (0, 1), False)
+    across, up = (view.cloud.corners.data[name] for name in "xy")
+    assert (min(across) <= -radius and max(across) >= radius and max(up) >= radius) is whole
