@@ -13,7 +13,7 @@ from core.symbolic.derivative import derivative
 from core.symbolic.expressions import TIME
 from core.symbolic.multiplier import DiscreteField, Endpoints
 from core.symbolic.near_zeros import written_near
-from core.symbolic.singularities import Singularity, Zeros, is_singular, zeros_of_denominators
+from core.symbolic.singularities import Ends, Singularity, Zeros, is_singular, zeros_of_denominators
 
 __all__ = ["Mode", "rate_along"]
 
@@ -85,15 +85,16 @@ class Mode:
 
     @cached_property
     def zeros(self) -> Zeros:
-        """Where denominators vanish within the mode; sliding has ended where the rates of both sides agree."""
+        """Where denominators vanish within the mode."""
         if self.declared is not None:
             return self.declared.zeros
         return zeros_of_denominators(self.field, self.variables, self._ends)
 
     @property
-    def _ends(self) -> tuple[Expr, ...]:
-        """Expressions at whose zeros the mode ends."""
-        return (*self.guards, self.guards[0] - self.guards[1]) if self.slides else self.guards
+    def _ends(self) -> Ends:
+        """Where the mode ends: sliding has ended before the rates of both sides agree."""
+        zeros = (*self.guards, self.guards[0] - self.guards[1]) if self.slides else self.guards
+        return Ends(zeros, self.slides)
 
     @property
     def singularities(self) -> tuple[Singularity, ...]:
@@ -103,8 +104,9 @@ class Mode:
     def is_singular_with(self, values: Mapping[str, float], zero: Expr) -> bool:
         """Whether the field is not bounded at a zero for some parameter values, taken as the decimals they are."""
         numbers = {Symbol(name): sympy.Rational(repr(value)) for name, value in values.items()}
-        u, *others = (e.xreplace(numbers) for e in (zero, *self.field, *self._ends))
-        return is_singular(u, others[: len(self.field)], others[len(self.field) :])
+        u, *field = (e.xreplace(numbers) for e in (zero, *self.field))
+        ends = self._ends._replace(zeros=tuple(e.xreplace(numbers) for e in self._ends.zeros))
+        return is_singular(u, field, ends)
 
     @cached_property
     def _rates(self) -> dict[Expr, Expr]:

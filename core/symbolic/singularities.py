@@ -22,7 +22,7 @@ from core.symbolic.expressions import TIME
 from core.symbolic.near_zeros import written_near
 from core.symbolic.tape import Floats, Tape, digits
 
-__all__ = ["BESIDE", "Singularity", "Zeros", "is_singular", "zeros_of_denominators"]
+__all__ = ["BESIDE", "Ends", "Singularity", "Zeros", "is_singular", "zeros_of_denominators"]
 
 #: Digits in which zeros are found and the field is evaluated beside them, and the largest argument of exp there.
 _ARITHMETIC = 120, 1e3
@@ -51,6 +51,15 @@ _CORRECTIONS = 60
 _LONG = 200
 
 
+class Ends(NamedTuple):
+    """Where a mode ends."""
+
+    zeros: tuple[Expr, ...]
+    """Expressions that vanish there."""
+    before: bool
+    """Whether it ends before it comes there, as sliding does, and not at these zeros."""
+
+
 class Singularity(NamedTuple):
     """Where a field is not bounded."""
 
@@ -75,7 +84,7 @@ class Zeros(NamedTuple):
     """The same, where no series is found."""
 
 
-def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], ends: Sequence[Expr]) -> Zeros:
+def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], ends: Ends) -> Zeros:
     """Zeros that a solution can pass: where an expression of time or state changes sign.
 
     Parameters
@@ -90,7 +99,7 @@ def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], en
     singular, removable = [], []
     for u in changing:
         there = list(_at_zeros(u, field, ends))
-        if not _is_singular(there):
+        if not _is_singular(there, ends):
             if not any(growth > _GROWN for growth, _ in there):  # else the mode has ended before
                 removable.append(u)
             continue
@@ -176,20 +185,21 @@ class _Line(NamedTuple):
         return {s: v + distance * self.direction[s] for s, v in self.point.items()}
 
 
-def is_singular(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
+def is_singular(u: Expr, field: Sequence[Expr], ends: Ends) -> bool:
     """Whether the field is not bounded at one of several zeros of u; or none is found."""
-    return _is_singular(list(_at_zeros(u, field, ends)))
+    return _is_singular(list(_at_zeros(u, field, ends)), ends)
 
 
-def _is_singular(there: Sequence[tuple[float, bool]]) -> bool:
-    return not there or any(growth > (_NOT_INTEGRABLE if over else _GROWN) for growth, over in there)
+def _is_singular(there: Sequence[tuple[float, bool]], ends: Ends) -> bool:
+    at_end = math.inf if ends.before else _NOT_INTEGRABLE
+    return not there or any(growth > (at_end if over else _GROWN) for growth, over in there)
 
 
-def _at_zeros(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> Iterator[tuple[float, bool]]:
+def _at_zeros(u: Expr, field: Sequence[Expr], ends: Ends) -> Iterator[tuple[float, bool]]:
     """How far the field grows towards each of several zeros of u, and whether the mode ends there."""
-    tape = Tape((*field, *ends))
+    tape = Tape((*field, *ends.zeros))
     for line in islice(_lines_through_zeros(u, tape), _ZEROS):
-        yield _growth(line, tape, field), _is_over(line, tape, ends)
+        yield _growth(line, tape, field), _is_over(line, tape, ends.zeros)
 
 
 def _keeps_digits(u: Expr, field: Sequence[Expr], written: Sequence[Expr]) -> bool:

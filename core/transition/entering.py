@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import ROUNDING_OF_G, SET_LEVELS, STEP, G, call
+from core.kernels.abi import ROUNDING_OF_G, SET_LEVELS, SINGULARITY, STEP, G, call
 from core.kernels.jit import inlined, internal
 from core.transition.plain_steps import set_guard, take_guard
 from core.transition.records import NO_JUMP, NO_MODE
@@ -38,6 +38,7 @@ def set_mode(context, row, at, rate):
     run.row, run.mode, run.guards, run.sliding = row, guard.mode, guard.count, guard.slides
     run.at, run.entered, run.pending, run.jumped, run.past = at, rate, 1, 0, 0
     run.near, run.asked, run.inward, run.outward, run.folded = 0, 0, 0, 0, 0
+    context.w[SINGULARITY] = 0.0  # it was one of the mode before
 
 
 @inlined
