@@ -103,7 +103,8 @@ class PointCloud:
         self.figure, self.colours, self._on_window = plot, tuple(colours), on_window
         self._portions: list[Portion] = []
         self._extent: Window | None = None
-        self._least, self._around = 0.0, _nothing
+        self._least = 0.0
+        self._around: Callable[[Window], Window | None] = _nothing
         self._counts: PointCounts | None = None
         self._in_sight = 0
         self._shape = USUAL_SHAPE

@@ -174,7 +174,7 @@ def test_a_table_has_a_row_for_each_point_start_by_start():
 
 @pytest.mark.parametrize(("radius", "whole"), [(1.0, True), (3.0, False)])
 def test_a_closed_surface_is_seen_whole_unless_it_is_far_larger_than_what_the_points_take(view, radius, whole):
-    x = np.array([[-0.8, 0.6], [0.1, 0.99], [0.5, 0.4]])
+    x = np.array([[-0.8, 0.6], [0.1, 0.99], [0.5, -0.8]])
     found = SectionPortion(0, np.arange(3.0), x, np.zeros(3, dtype=np.int16), np.zeros(3, dtype=np.int8))
     scene = Scene(system="elliptic_curve", values={"r": radius}, section_points=3)
     inputs = SectionInputs.of_scene(scene)
