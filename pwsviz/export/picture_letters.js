@@ -5,8 +5,8 @@
 // much a tall one raises it.
 const TYPEFACES = {
   "sans serif": {
-    family: "DejaVu Sans", slanted: "DejaVu Sans Oblique", hat: { width: 0.5, aside: -0.23, raised: 0.11 },
-    files: { normal: "DejaVuSans-subset.ttf", italic: "DejaVuSans-Oblique-subset.ttf" },
+    family: "Pwsviz Sans", slanted: "Pwsviz Sans Italic", hat: { width: 0.457, aside: -0.2, raised: 0.15 },
+    files: { normal: "PwsvizSans-subset.ttf", italic: "PwsvizSans-Italic-subset.ttf" },
   },
   serif: {
     family: "Pwsviz Serif", slanted: "Pwsviz Serif Italic", hat: { width: 0.333, aside: -0.1, raised: 0.2 },

@@ -55,8 +55,8 @@ class PictureFiles:
             "picture_names.js",
             "vendor/jspdf.umd.min.js",
             "vendor/svg2pdf.umd.min.js",
-            "vendor/DejaVuSans-subset.ttf",
-            "vendor/DejaVuSans-Oblique-subset.ttf",
+            "vendor/PwsvizSans-subset.ttf",
+            "vendor/PwsvizSans-Italic-subset.ttf",
             "vendor/PwsvizSerif-subset.ttf",
             "vendor/PwsvizSerif-Italic-subset.ttf",
         )

@@ -140,7 +140,7 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
         page.get_by_role("button", name=f"Copy the {kind}").wait_for()
     for k in range(2):
         svg = page.evaluate(TEXTS, downloaded(page, page.get_by_role("button", name="SVG").nth(k)).decode())
-        assert (svg["width"], svg["images"], svg["fonts"]) == ("85mm", 0, ["DejaVu Sans"])
+        assert (svg["width"], svg["images"], svg["fonts"]) == ("85mm", 0, ["Pwsviz Sans"])
         assert svg["paths"] > 20
         assert svg["ground"] == "#ffffff", "for print, on a dark page, too"
         assert svg["edges"] == 1, "of rk2, which is dashed, on dmm2, and not in the legend"
@@ -152,7 +152,7 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
         assert pdf.startswith(b"%PDF-")
         assert b"/Subtype /Image" not in pdf
         assert b"/FontFile2" in pdf
-        assert set(re.findall(rb"/BaseFont */(\S+)", pdf)) == {b"DejaVu#20Sans", b"DejaVu#20Sans#20Oblique"}, (
+        assert set(re.findall(rb"/BaseFont */(\S+)", pdf)) == {b"Pwsviz#20Sans", b"Pwsviz#20Sans#20Italic"}, (
             "no font is named that is not embedded"
         )
         assert set(re.findall(rb"/Ordering *\((.*?)\)", pdf)) == {b"Identity"}, "of CID fonts: ISO 32000-1, 9.7.3"
@@ -215,11 +215,11 @@ def test_a_failing_export_says_why(visit):
     page = visit()
     await_that(page, PORTRAIT)
     await_still(page)
-    page.route("**/DejaVuSans-subset.ttf", lambda route: route.fulfill(body="no font"))
+    page.route("**/PwsvizSans-subset.ttf", lambda route: route.fulfill(body="no font"))
     page.get_by_role("button", name=re.compile("Export")).click()
     page.get_by_role("button", name="SVG").first.click()
     page.get_by_text("could not be saved: ").wait_for()
-    page.unroute("**/DejaVuSans-subset.ttf")
+    page.unroute("**/PwsvizSans-subset.ttf")
     downloaded(page, page.get_by_role("button", name="SVG").first)
     page.get_by_text("could not be saved").wait_for(state="detached")
     page.evaluate("navigator.clipboard.writeText = () => Promise.reject(new Error('forbidden')); null")

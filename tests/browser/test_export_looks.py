@@ -53,7 +53,7 @@ def test_a_picture_in_a_serif_typeface_names_and_holds_its_fonts(visit):
     page = opened_for_a_column(visit)
     for typeface, fonts in (
         ("serif", {"Pwsviz Serif", "Pwsviz Serif Italic"}),
-        ("sans serif", {"DejaVu Sans", "DejaVu Sans Oblique"}),
+        ("sans serif", {"Pwsviz Sans", "Pwsviz Sans Italic"}),
     ):
         page.get_by_role("button", name=typeface, exact=True).click()
         svg = downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode()
