@@ -13,7 +13,6 @@ const RULE = "#e2e2e2"
 export const SMALL = TEXT - 1  // of labels and captions
 const ON_PAGE = 12  // pixels of names within a frame on the page; smaller ones are parts of marks, and have as many in print
 const PASSES = 3  // layouts, each of which knows the one before: titles in lines, then the room beside them, then all
-const VEIL = 0.8  // opacity of the ground of names within a frame
 const RIM = 3  // pixels inside of a frame that are free of names
 const SPARE = 8  // pixels beside a text, where another may begin
 const LINE = 1.3  // height of a line of text, in heights of its letters
@@ -203,10 +202,7 @@ const copy_of = async (view, width, printed, { height, inset, beside }, seen) =>
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
   const ranges = [range(model.x_range), range(model.y_range)], [left, right] = [seen.left + inset, seen.right + inset]
   const frame = { width: Math.round(width - left - right), height: Math.round(height) }
-  const letters = {
-    text_font: { value: face.family }, text_font_size: { value: `${SMALL}px` },
-    background_fill_color: { value: PAPER }, background_fill_alpha: { value: VEIL },  // arrows and curves end there
-  }
+  const letters = { text_font: { value: face.family }, text_font_size: { value: `${SMALL}px` } }
   const named = await with_names_placed(model.renderers, ranges, frame, letters)
   const scales = [model.x_scale, model.y_scale].map(
     ({ type }, k) => scale_of(ranges[k], [frame.width, frame.height][k], type == "LogScale"))

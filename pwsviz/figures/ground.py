@@ -162,6 +162,7 @@ class Ground:
         lines = {"lines_below": self._lines(-1), "lines_above": self._lines(1)}
         repaint = CustomJS(args=plane | painted | lines, code=REPAINT)
         there = {"labels": self.labels, "glyph": self._names.glyph, "marks": marks, "curves": curves}
+        there["lines"] = [source for side in SIDES for source in self._lines(side)]
         there |= {"plot": self.figure.id, "size": None}
         there["again"] = self._marked  # the code does not read it, but what nothing names is not sent
         label = CustomJS(args=plane | there, code=PLACE_LABELS)

@@ -1,19 +1,21 @@
 """Names of several surfaces and their regions in a portrait: at an end of each surface, and inside each region.
 
-No name stands under a mark on a trajectory where there is another place for it.
+No name stands across a surface, a trajectory or a mark on it where there is another place for it, nor across level sets
+and arrows without a light ground of its own.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource
 from bokeh.models.glyphs import Text
 from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
 import core
-from pwsviz.figures.colours import GREY
+from pwsviz.figures.colours import GREY, GROUND
 from pwsviz.figures.moving import FORMULAS
 from pwsviz.geometry.projection import surface_texts
 from pwsviz.scene.names import readable
@@ -21,10 +23,16 @@ from pwsviz.text.math_names import numbered
 
 __all__ = ["PLACE_LABELS", "label_glyph", "surface_labels"]
 
+FONT = "Roboto, Helvetica, Arial, sans-serif"
+"""Typeface of labels, that of the page."""
+
+LINE_HEIGHT = 1.1
+"""Height of a line of a label of several, in heights of its letters."""
+
 LONGEST = 24
 """Characters of a switching function that a label writes out."""
 
-_COLUMNS = ("x", "y", "text", "align", "baseline", "dx", "dy")
+_COLUMNS = ("x", "y", "text", "align", "baseline", "dx", "dy", "veil")
 
 
 def surface_labels(system: core.PiecewiseSystem) -> list[str]:
@@ -43,7 +51,8 @@ def surface_labels(system: core.PiecewiseSystem) -> list[str]:
 def label_glyph(plot: figure) -> GlyphRenderer[Any]:
     """Add the labels, without any yet, to be filled in by `PLACE_LABELS`."""
     source = ColumnDataSource({name: [] for name in _COLUMNS})
-    look: dict[str, Any] = {"text_color": GREY, "text_font_size": "12px", "text_font_style": "bold"}
+    look: dict[str, Any] = {"text_color": GREY, "text_font_size": "12px", "text_font": value(FONT)}
+    look |= {"background_fill_color": GROUND, "background_fill_alpha": "veil", "text_line_height": LINE_HEIGHT}
     place: dict[str, Any] = {"text_align": "align", "text_baseline": "baseline", "x_offset": "dx", "y_offset": "dy"}
     return plot.add_glyph(source, Text(**look, **place))
 
@@ -51,26 +60,36 @@ def label_glyph(plot: figure) -> GlyphRenderer[Any]:
 PLACE_LABELS = (
     FORMULAS
     + """
-const INSETS = [0.03, 0.1, 0.2, 0.3]  // of what is seen, between its edge and the label of a surface
+const INSETS = [0.03, 0.1, 0.2, 0.3, 0.4]  // of what is seen, between its edge and the label of a surface
 const ALONG = 80    // points along an edge at which a surface is sought
 const CELLS = 36    // along the longer side of what is seen, by which regions are told apart
 const DEEP = 2      // cells around the label of a region, at least, that belong to it
-const MARK = 15, LINE = 16, GAP = 6  // pixels: of a mark without a size of its own, of a line of text, beside a surface
+const MARK = 15, GAP = 6  // pixels: of a mark without a size of its own, beside a surface
+const VEIL = 0.8    // opacity of the ground of a label that lies across something
 const [across, up] = ranges, width = across.end - across.start, height = up.end - up.start
 const cell = Math.max(width, height) / CELLS
 const frame = size ?? cb_context.index?.query_one(view => view.model.id == plot)?.frame.bbox
 const pixel = frame?.width > 0 ? width / frame.width : cell / 12
-const shown = { x: [], y: [], text: [], align: [], baseline: [], dx: [], dy: [] }
-const add = (x, y, text, align, baseline, dx, dy) => {
-  for (const [name, value] of Object.entries({ x, y, text, align, baseline, dx, dy })) { shown[name].push(value) }
-}
+const shown = { x: [], y: [], text: [], align: [], baseline: [], dx: [], dy: [], veil: [] }
 const t = clock.data.t[0]
 const at = (u, v) => [across.start + u * width, up.start + v * height]
 
 // Trajectories and their marks, by the cells in which they are, and whether one of them is near a label.
 const column = x => Math.floor((x - across.start) / cell), row = y => Math.floor((y - up.start) / cell)
 const number = (i, j) => i * 1000 + j
-const marked = new Set()
+const within = (x, y) => across.start <= x && x <= across.end && up.start <= y && y <= up.end
+const follow = (x, y, found) => {  // the cells that a line goes through
+  for (let m = 0; m + 1 < x.length; m++) {
+    const [x0, y0, x1, y1] = [x[m], y[m], x[m + 1], y[m + 1]]
+    if (!within(x0, y0) && !within(x1, y1)) { continue }
+    const parts = Math.ceil(Math.min(CELLS, 2 * Math.hypot(x1 - x0, y1 - y0) / cell))
+    for (let n = 0; n <= parts; n++) {
+      const share = parts > 0 ? n / parts : 0
+      found.add(number(column(x0 + share * (x1 - x0)), row(y0 + share * (y1 - y0))))
+    }
+  }
+}
+const marked = new Set(), lined = new Set()
 for (const { data } of marks) {
   Array.from(data.x).forEach((x, k) => {
     const half = (data.size?.[k] ?? MARK) / 2 * pixel, [i0, i1] = [x - half, x + half].map(column)
@@ -80,34 +99,44 @@ for (const { data } of marks) {
     }
   })
 }
-const within = (x, y) => across.start <= x && x <= across.end && up.start <= y && y <= up.end
-for (const { data: { xs, ys } } of curves) {
-  Array.from(xs).forEach((x, k) => {
-    for (let m = 0; m + 1 < x.length; m++) {
-      const [x0, y0, x1, y1] = [x[m], ys[k][m], x[m + 1], ys[k][m + 1]]
-      if (!within(x0, y0) && !within(x1, y1)) { continue }
-      const parts = Math.ceil(Math.min(CELLS, 2 * Math.hypot(x1 - x0, y1 - y0) / cell))
-      for (let n = 0; n <= parts; n++) {
-        const share = parts > 0 ? n / parts : 0
-        marked.add(number(column(x0 + share * (x1 - x0)), row(y0 + share * (y1 - y0))))
-      }
-    }
-  })
-}
+for (const { data: { xs, ys } } of curves) { Array.from(xs).forEach((x, k) => follow(x, ys[k], marked)) }
+if (given?.surfaces != null) { for (const { data: { x, y } } of lines) { follow(x, y, lined) } }
+
+// The box of a label, in units of the plane, with a number of pixels around it; texts may have several lines.
 const pen = document.createElement("canvas").getContext("2d")
 const look = ["text_font_style", "text_font_size", "text_font"].map(name => glyph[name].value ?? glyph[name])
 pen.font = look.join(" ")
-const extent = ({ x, text, align }) => {
-  const long = pen.measureText(text).width * pixel
-  const low = x - { left: 0, center: long / 2, right: long }[align]
-  return [low, low + long]
+const LINE = 4 / 3 * parseFloat(look[1])  // pixels
+const box = ({ x, y, text, align, baseline, dx, dy }, spare = 0) => {
+  const parts = text.split("\\n"), long = Math.max(...parts.map(part => pen.measureText(part).width))
+  const left = dx - { left: 0, center: long / 2, right: long }[align], high = parts.length * LINE
+  const low = -dy - { bottom: 0, middle: high / 2, top: high }[baseline]
+  return {
+    left: x + (left - spare) * pixel, right: x + (left + long + spare) * pixel,
+    low: y + (low - spare) * pixel, high: y + (low + high + spare) * pixel,
+  }
 }
-const isMarked = label => {
-  const [low, high] = extent(label).map(column), middle = row(label.y + (label.baseline == "bottom" ? cell : 0))
-  for (let i = low - 1; i <= high + 1; i++) {
-    if ([-1, 0, 1].some(more => marked.has(number(i, middle + more)))) { return true }
+const isWithin = ({ left, right, low, high }) => within(left, low) && within(right, high)
+const overlap = (one, other) =>
+  one.left < other.right && other.left < one.right && one.low < other.high && other.low < one.high
+const reaches = ({ left, right, low, high }, cells) => {
+  for (let i = column(left); i <= column(right); i++) {
+    for (let j = row(low); j <= row(high); j++) { if (cells.has(number(i, j))) { return true } }
   }
   return false
+}
+const crosses = ({ left, right, low, high }) => heights.some(g => {  // a surface
+  if (g == null) { return false }
+  const before = g(left, low, t) < 0
+  for (let n = 0; n <= 8; n++) {
+    const x = left + (right - left) * n / 8
+    if (g(x, low, t) < 0 != before || g(x, high, t) < 0 != before) { return true }
+  }
+  return false
+})
+const add = (label, hatched = false) => {
+  const all = box(label), veil = hatched || crosses(all) || reaches(all, marked) || reaches(all, lined) ? VEIL : 0
+  for (const [name, value] of Object.entries({ ...label, veil })) { shown[name].push(value) }
 }
 
 // Where a surface meets the edges of what is seen, all of them a little inside: top, right, bottom, left.
@@ -134,47 +163,63 @@ const room = ({ x, y }, k, way) => {
   }
   return steps
 }
-// A label moved into what is seen, and whether two of them touch.
+// A label moved into what is seen.
 const inside = label => {
-  const [low, high] = extent(label), spare = GAP * pixel
-  return { ...label, x: label.x - Math.max(0, high + spare - across.end) + Math.max(0, across.start + spare - low) }
+  const { left, right, low, high } = box(label, GAP), moved = (low, high, start, end) =>
+    Math.max(0, start - low) - Math.max(0, high - end)
+  return {
+    ...label, dx: label.dx + moved(left, right, across.start, across.end) / pixel,
+    dy: label.dy - moved(low, high, up.start, up.end) / pixel,
+  }
 }
-// Whether a label of a surface lies across another one.
-const reaches = (label, k) => {
-  const [low, high] = extent(label), others = heights.filter((g, n) => g != null && n != k)
-  const places = Array.from({ length: 9 }, (_, n) => low + (high - low) * n / 8)
-  return others.some(g => new Set(places.map(x => g(x, label.y, t) < 0)).size > 1)
-}
-const touch = (one, other) => {
-  const [[a, b], [c, d]] = [one, other].map(extent), spare = GAP * pixel
-  return a < d + spare && c < b + spare && Math.abs(one.y - other.y) < 1.5 * LINE * pixel
+// The label of a surface beside one of its ends, on either side of it: those first with the most room.
+const CLOSE = GAP - 2
+const beside = (one, k) => {
+  const { x, y, side } = one
+  const label = (align, baseline) => inside({
+    x, y, text: given.surfaces[k], align, baseline, dx: side % 2 ? 0 : align == "right" ? -GAP : GAP,
+    dy: { bottom: -CLOSE, middle: 0, top: CLOSE }[baseline],
+  })
+  if (side % 2) { return ["bottom", "top"].map(baseline => label(side == 1 ? "right" : "left", baseline)) }
+  const ways = room(one, k, -1) > room(one, k, 1) ? ["right", "left"] : ["left", "right"]
+  return ways.flatMap(align => ["middle", "bottom", "top"].map(baseline => label(align, baseline)))
 }
 const nameSurfaces = () => {
   const placed = []
   const apart = one => Math.min(...placed.map(({ x, y }) => Math.hypot(one.x - x, one.y - y)), width + height)
+  const farthest = some => some.reduce((best, one) => best == null || apart(one) > apart(best) ? one : best, null)
+  const first = (some, suits) => {
+    for (const labels of some) {
+      const best = farthest(labels.filter(suits))
+      if (best != null) { return best }
+    }
+    return null
+  }
   heights.forEach((g, k) => {
     if (g == null) { return }
-    const label = one => {
-      const beside = one.side % 2 == 0  // else above the surface, from that edge on
-      const right = beside ? room(one, k, -1) > room(one, k, 1) : one.side == 1  // the text then ends there
-      const look = { align: right ? "right" : "left", beside, baseline: beside ? "middle" : "bottom" }
-      const whole = inside({ ...one, text: given.surfaces[k], ...look })
-      return reaches(whole, k) ? inside({ ...one, text: whole.text.replace(/ = .* = /, " = "), ...look }) : whole
-    }
-    const found = INSETS.map(inset => ends(g, inset).map(label).filter(one => !placed.some(other => touch(one, other))))
-    const free = found.map(some => some.filter(one => !isMarked(one)))
-    const best = (free.find(some => some.length > 0) ?? found.find(some => some.length > 0) ?? [])
-      .reduce((best, one) => best == null || apart(one) > apart(best) ? one : best, null)
-    if (best == null) { return }
-    placed.push(best)
-    const { x, y, text, align, baseline, beside } = best
-    add(x, y, text, align, baseline, beside ? (align == "right" ? -GAP : GAP) : 0, beside ? 0 : -4)
+    const alone = one => !placed.some(other => overlap(box(one, GAP), box(other)))
+    const whole = INSETS.map(inset => ends(g, inset).flatMap(one => beside(one, k)).filter(alone))
+    const short = whole.map(labels => labels.map(one => inside({ ...one, text: one.text.replace(/ = .* = /, " = ") })))
+    const clear = one => !crosses(box(one, 1)), free = one => clear(one) && !reaches(box(one, 1), marked)
+    const best = first(whole, free) ?? first(short, free) ?? first(whole, clear) ?? first(short, clear) ??
+      first(whole, () => true)
+    if (best != null) { placed.push(best) }
   })
+  for (const one of placed) { add(one) }
+  return placed
+}
+
+// The same words in two lines, as even as may be: “beyond” and “the wall”.
+const inLines = text => {
+  const words = text.split(" "), halves = words.slice(1).map((_, k) => [words.slice(0, k + 1), words.slice(k + 1)]
+    .map(line => line.join(" ")))
+  const longer = ([one, other]) => Math.max(one.length, other.length)
+  return halves.reduce((best, two) => longer(best) <= longer(two) ? best : two, [text, ""]).join("\\n").trim()
 }
 
 // Toward the edge of what is seen, where few trajectories are, and away from other regions, labels of surfaces and
 // marks. Regions without a state are told from one another by their signs, and have the same name.
-const nameRegions = () => {
+const nameRegions = surfaces => {
   const columns = Math.max(2, Math.round(width / cell)), rows = Math.max(2, Math.round(height / cell))
   const place = (i, j) => at((i + 0.5) / columns, (j + 0.5) / rows)
   const regions = [...given.regions]
@@ -192,40 +237,39 @@ const nameRegions = () => {
     })))
     for (const [i, j] of inside) { depth[j][i] = level + 1 }
   }
-  const surfaces = shown.text.map((text, k) => {
-    const [low, high] = extent({ x: shown.x[k], text, align: shown.align[k] })
-    return { low, high, y: shown.y[k] + (shown.baseline[k] == "bottom" ? LINE / 2 * pixel : 0) }
-  })
-  const apart = Math.max(LINE * pixel, cell)
-  const free = label => {
-    const [left, right] = extent(label)
-    const there = left > across.start && right < across.end
-    return there && surfaces.every(({ low, high, y }) =>
-      right < low - apart || left > high + apart || Math.abs(label.y - y) > 1.5 * apart)
-  }
+  const apart = Math.max(LINE, cell / pixel)  // pixels
   const bestPlace = (k, text, suits) => {
     let best = null, most = 0
     for (let j = rows - 1 - DEEP; j >= DEEP; j--) {
       for (let i = DEEP; i < columns - DEEP; i++) {
         if (region[j][i] != k || depth[j][i] < DEEP) { continue }
         const out = Math.max(Math.abs((i + 0.5) / columns - 0.5), Math.abs((j + 0.5) / rows - 0.5))
-        const score = out + depth[j][i] / CELLS, [x, y] = place(i, j), label = { x, y, text, align: "center" }
-        if (score > most + 1e-9 && free(label) && suits(label)) { most = score; best = [x, y] }
+        const score = out + depth[j][i] / CELLS
+        if (score <= most + 1e-9) { continue }
+        const [x, y] = place(i, j), label = { x, y, text, align: "center", baseline: "middle", dx: 0, dy: 0 }
+        const around = box(label, apart)
+        if (isWithin(box(label)) && !surfaces.some(one => overlap(around, box(one))) && suits(label)) {
+          most = score
+          best = label
+        }
       }
     }
     return best
   }
+  const clear = label => isWithin(box(label, GAP)) && !crosses(box(label, GAP))
+  const free = label => clear(label) && !reaches(box(label, CLOSE), marked)
   regions.forEach(([, name], k) => {
-    const text = name.replace(/^region /, "")
-    const best = bestPlace(k, text, label => !isMarked(label)) ?? bestPlace(k, text, () => true)
-    if (best != null) { add(...best, text, "center", "middle", 0, 0) }
+    const text = name.replace(/^region /, ""), halves = inLines(text)
+    const best = bestPlace(k, text, free) ?? bestPlace(k, halves, free) ?? bestPlace(k, text, clear) ??
+      bestPlace(k, halves, clear) ?? bestPlace(k, text, () => true)
+    if (best != null) { add(best, name == given.bare && size == null) }  // pictures have no hatches
   })
 }
 
 if (given?.surfaces != null && Number.isFinite(width) && Number.isFinite(height)) {
   const several = given.surfaces.length > 1, count = given.regions.length
-  if (several) { nameSurfaces() }
-  if (count > 0 && (several || given.bare != "")) { nameRegions() }
+  const placed = several ? nameSurfaces() : []
+  if (count > 0 && (several || given.bare != "")) { nameRegions(placed) }
 }
 if (shown.x.length > 0 || labels.data.x.length > 0) { labels.setv({ data: shown }, { sync: false }) }
 """

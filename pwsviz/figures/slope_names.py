@@ -8,7 +8,7 @@ from bokeh.models import ColumnDataSource, CustomJS
 from bokeh.models.glyphs import Text
 from bokeh.plotting import figure
 
-from pwsviz.figures.colours import GREY
+from pwsviz.figures.colours import GREY, GROUND
 from pwsviz.figures.style import ranges
 
 __all__ = ["name_slopes"]
@@ -84,6 +84,7 @@ def name_slopes(
     """
     names = ColumnDataSource({"x": [], "y": [], "text": []})
     look: dict[str, Any] = {"text_color": GREY, "text_font_size": "12px", "x_offset": -6}
+    look |= {"background_fill_color": GROUND, "background_fill_alpha": 0.8}  # curves end there
     texts = plot.add_glyph(names, Text(text_align="right", text_baseline="bottom", **look))
     given = {"guides": guides, "lines_drawn": curves, "marks": marks}
     args = {"labels": names, "glyph": texts.glyph, "plot": plot.id}
