@@ -16,7 +16,7 @@ const PASSES = 3  // layouts, each of which knows the one before: titles in line
 const RIM = 3  // pixels inside of a frame that are free of names
 const SPARE = 8  // pixels beside a text, where another may begin
 const LINE = 1.3  // height of a line of text, in heights of its letters
-const NAMED = 0.12  // most of the width of the picture that the names of levels take beside the frame
+const NAMED = 0.16  // most of the width of the picture that the names of levels take beside the frame
 
 const text = (name, size) => ({ [`${name}_text_font`]: face.family, [`${name}_text_font_size`]: `${size}px` })
 const letters_of = kind => ({
@@ -83,22 +83,25 @@ const spread = (wished, apart, [start, end]) => {
 // Whether an axis beside a plot names levels in it.
 const names_levels = (axis, side) => axis.ticker?.type == "FixedTicker" && axis.formatter.doFormat != null && side == "right"
 
-// The levels of an axis that are seen, downwards, and their names; letters where one of these takes more than a line.
+// The levels of an axis that are seen, downwards, their names, and how they are labelled: by these in a line; else by what they
+// begin with, such as “eps” of “eps = 2⁻⁵²”; and by letters where one of these is too wide, too.
 const levels_of = (axis, { start, end }, width) => {
   const seen = [...axis.ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)
   const words = axis.formatter.doFormat(seen, { loc: 0 }).map(name => name.replaceAll("\n", " ").trim())
   const levels = seen.filter((_, k) => words[k] != ""), names = words.filter(name => name != "")
-  const labels = names.map(name => wrapped(name, NAMED * width, SMALL))
-  const fit = labels.every(lines => lines.length == 1 && width_of(lines[0], SMALL) <= NAMED * width)
-  const letters = names.map((_, k) => [String.fromCharCode(97 + k)])
-  return { levels, names, labels: fit ? labels : letters, fit }
+  const short = names.map(name => name.split(/ = |: /)[0]), letters = names.map((_, k) => String.fromCharCode(97 + k))
+  const fit = labels => labels.every(label => width_of(label, SMALL) <= NAMED * width)
+  return { levels, names, short, labels: [names, short].find(fit) ?? letters }
 }
 
-// What the letters of levels stand for, in a sentence; null where there are none.
-export const lettered_levels = ({ frame, model }, width) => {
+// What the labels of levels stand for, in a sentence; null where they are the names. `captioned`: whether there is a caption,
+// without which short names are not explained.
+export const explained_levels = ({ frame, model }, width, captioned) => {
   const meanings = model.right.filter(axis => names_levels(axis, "right")).flatMap(axis => {
-    const { names, labels, fit } = levels_of(axis, frame.y_scale.source_range, width)
-    return fit ? [] : names.map((name, k) => `(${labels[k]}) ${name}`)
+    const { names, short, labels } = levels_of(axis, frame.y_scale.source_range, width)
+    if (labels == names) return []
+    if (labels == short) return captioned ? names.filter((name, k) => name != short[k]) : []
+    return names.map((name, k) => `(${labels[k]}) ${name}`)
   })
   return meanings.length > 0 ? `Dotted: ${meanings.join("; ")}.` : null
 }
@@ -107,11 +110,10 @@ export const lettered_levels = ({ frame, model }, width) => {
 export const thinned = ({ model }) => model.below.filter(one => kind_of(one) == "legend").flatMap(one => one.items)
   .some(item => item.visible && item.get_labels_list_from_label_prop().some(label => label.endsWith("omitted)")))
 
-// Names of levels beside a plot: in lines, and apart from one another.
+// Names of levels beside a plot, apart from one another.
 const named_levels = (axis, { scale }, width) => {
-  const { start, end } = scale.source_range, { levels, labels, fit } = levels_of(axis, scale.source_range, width)
-  const line = fit ? LINE : 1  // letters may stand closer
-  const high = labels.map(lines => lines.length * line * SMALL), apart = high.slice(1).map((one, k) => (one + high[k]) / 2)
+  const { start, end } = scale.source_range, { levels, labels } = levels_of(axis, scale.source_range, width)
+  const letters = labels.every(label => label.length == 1), apart = labels.map(() => (letters ? 1 : LINE) * SMALL)  // closer
   const places = spread(levels.map(tick => scale.compute(tick)), apart, [end, start].map(one => scale.compute(one)))
   const moved = places.map(place => scale.invert(place))
   const { AllLabels } = Bokeh.loader["models/policies/labeling"]
@@ -119,8 +121,8 @@ const named_levels = (axis, { scale }, width) => {
   const { BasicTickFormatter } = Bokeh.loader["models/formatters/basic_tick_formatter"]
   return {
     ticker: new FixedTicker({ ticks: moved }), formatter: new BasicTickFormatter(), major_label_policy: new AllLabels(),
-    major_label_overrides: new Map(moved.map((tick, k) => [tick, labels[k].join("\n")])),
-    major_tick_line_color: null, major_tick_out: 0, major_label_standoff: fit ? SPARE / 2 : 1,
+    major_label_overrides: new Map(moved.map((tick, k) => [tick, labels[k]])),
+    major_tick_line_color: null, major_tick_out: 0, major_label_standoff: letters ? 1 : SPARE / 2,
   }
 }
 

@@ -3,7 +3,7 @@
 // vectors.
 
 import { choose_typeface, face, typeset } from "./picture_letters.js"
-import { drawn, INK, is_of_drawing, lettered_levels, PAPER, SMALL, TEXT, thinned, wrapped } from "./picture_layout.js"
+import { drawn, explained_levels, INK, is_of_drawing, PAPER, SMALL, TEXT, thinned, wrapped } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
 const GAP = 10  // pixels between figure and caption, and around the caption
@@ -43,7 +43,7 @@ const below = lines => lines.length > 0 ? 2 * GAP + STEP * lines.length : GAP / 
 // Figures of a width in pixels, with the lines of the caption below them. The caption that was asked for is always there: where
 // it leaves the figures too little of the greatest height, the picture is higher.
 const fitted = async (views, wish, width) => {
-  const keys = views.map(view => lettered_levels(view, width))
+  const keys = views.map(view => explained_levels(view, width, wish.captions[wish.caption] != null))
   const [caption, ...last] = (wish.captions[wish.caption] ?? "").split("\n")
   const words = [caption, caption && views.some(thinned) ? THINNED : "", ...keys, ...last].filter(Boolean).join(" ")
   const lines = wrapped(words, width - 2 * GAP, SMALL), tallest = width / wish.millimetres * wish.tallest

@@ -160,8 +160,10 @@ LEVEL: dict[str, Any] = {"line_color": RULE, "line_dash": "dotted", "line_width"
 """Look of what marks a level."""
 
 
-BELOW_RANGE = "\nbelow plot\nrange, or 0"
-"""Name of the level at which smaller errors are drawn; its first line is empty, so that it stands below its level."""
+BELOW_RANGE = "\nfloor: below\nrange, or 0"
+"""Name of the level at which smaller errors are drawn; its first line is empty, so that it stands below its level.
+
+In a narrow picture a name ends before its colon or its “=”."""
 
 APART = """
 const seen = [...ticker.ticks].filter(tick => range.min <= tick && tick <= range.max)

@@ -79,3 +79,11 @@ def test_a_portrait_in_a_wide_picture_has_its_legend_beside_it_and_the_height_fo
     assert all(one["left"] > frame["right"] and one["bottom"] < frame["bottom"] for one in boxes["legend"])
     assert frame["right"] - frame["left"] > 0.64 * boxes["width"]
     assert max(one["right"] for one in boxes["legend"]) < boxes["width"]
+
+
+def test_levels_have_their_names_without_a_caption(visit):
+    page = opened_for_a_column(visit)
+    page.get_by_role("button", name="no caption", exact=True).click()
+    svg = downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode()
+    assert "Dotted" not in re.sub("<desc>.*?</desc>", "", svg)
+    assert all(re.search(f">{name}<", svg) for name in ("round-off", "eps", "floor"))
