@@ -10,7 +10,8 @@ const GAP = 10  // pixels between figure and caption, and around the caption
 const LEADING = 1.35  // of the lines of the caption, in heights of its text
 const INCH = 25.4  // mm
 const SLACK = 4  // pixels by which a layout may be higher than the one before it, which tells what is around the frame
-const LEAST = 0.7, PART = 0.5  // of the picture's width, or of the greatest height if that is less: what frames take at least
+const LEAST = 1.2, PART = 0.62  // of the picture's width, or of the greatest height if that is less: what frames may take
+// at least, however long the caption is
 
 const EDGE = 0.6  // pixels of white on both sides of a dashed curve, at most
 const BARED = 0.5  // part of what a dashed curve leaves free of the solid one that is white at most: the rest keeps its colour
