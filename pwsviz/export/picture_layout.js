@@ -46,16 +46,44 @@ const BETWEEN_WORDS = /(?<![=<>≤≥≈×+−·Σᵢ])(?<!\b(?:order|region))(?
 // The spaces at which a formula that is wider than a line breaks: after a sign between terms.
 const BETWEEN_TERMS = /(?<= [+−]) /
 
-// The lines of a text, broken between words (or at other separators) where it would be wider than a number of pixels; what is
-// too wide without such a place is broken between terms, and what is still too wide at any space.
+// The words of a text, or its parts between other separators; what is wider than a number of pixels is broken between terms, and
+// what is still too wide at any space.
+const unbroken = (words, width, size, between) => {
+  const parted = (parts, at) => parts.flatMap(one => width_of(one, size) > width ? one.split(at) : [one])
+  return parted(parted(words.split(between).filter(Boolean), BETWEEN_TERMS), " ")
+}
+// The lines of a text, none wider than a number of pixels where there is a place to break it.
 export const wrapped = (words, width, size, between = BETWEEN_WORDS) => {
   const lines = []
-  const whole = words.split(between).filter(Boolean)
-  const parted = (parts, at) => parts.flatMap(one => width_of(one, size) > width ? one.split(at) : [one])
-  for (const word of parted(parted(whole, BETWEEN_TERMS), " ")) {
+  for (const word of unbroken(words, width, size, between)) {
     const longer = lines.length > 0 ? `${lines.at(-1)} ${word}` : word
     if (lines.length > 0 && width_of(longer, size) <= width) lines[lines.length - 1] = longer
     else lines.push(word)
+  }
+  return lines
+}
+
+// The same as a paragraph of even lines: of all ways to break it, that with the least white at the ends of lines. A formula breaks
+// after “=” only where this saves white.
+const AFTER_RELATION = /(?<= [=≈]) /, IN_FORMULA = 0.04, SHORT = 0.3  // cost of such a break; part of the width of a last line
+export const paragraph = (words, width, size) => {
+  const pieces = unbroken(words, width, size, BETWEEN_WORDS).flatMap(
+    piece => piece.split(AFTER_RELATION).map((word, k) => ({ word, within: k > 0 })))
+  const space = width_of(" ", size), wide = pieces.map(({ word }) => width_of(word, size)), count = pieces.length
+  const best = [{ cost: 0, from: 0 }]  // of the lines before each piece
+  for (let end = 1; end <= count; end++) {
+    best.push({ cost: Infinity, from: end - 1 })
+    for (let from = end - 1, long = -space; from >= 0; from--) {
+      long += wide[from] + space
+      if (long > width && from < end - 1) break
+      const white = end < count ? Math.max(0, 1 - long / width) : Math.max(0, SHORT - long / width)
+      const cost = best[from].cost + white ** 2 + (end < count && pieces[end].within ? IN_FORMULA : 0)
+      if (cost < best[end].cost) best[end] = { cost, from }
+    }
+  }
+  const lines = []
+  for (let end = count; end > 0; end = best[end].from) {
+    lines.unshift(pieces.slice(best[end].from, end).map(({ word }) => word).join(" "))
   }
   return lines
 }

@@ -3,7 +3,7 @@
 // vectors.
 
 import { choose_typeface, face, typeset } from "./picture_letters.js"
-import { drawn, explained_levels, INK, is_of_drawing, PAPER, SMALL, TEXT, thinned, wrapped } from "./picture_layout.js"
+import { drawn, explained_levels, INK, is_of_drawing, PAPER, paragraph, SMALL, TEXT, thinned } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
 const GAP = 10  // pixels between figure and caption, and around the caption
@@ -47,7 +47,7 @@ const fitted = async (views, wish, width) => {
   const keys = views.map(view => explained_levels(view, width, wish.captions[wish.caption] != null))
   const [caption, ...last] = (wish.captions[wish.caption] ?? "").split("\n")
   const words = [caption, caption && views.some(thinned) ? THINNED : "", ...keys, ...last].filter(Boolean).join(" ")
-  const lines = wrapped(words, width - 2 * GAP, SMALL), tallest = width / wish.millimetres * wish.tallest
+  const lines = paragraph(words, width - 2 * GAP, SMALL), tallest = width / wish.millimetres * wish.tallest
   const least = Math.min(LEAST * width, PART * tallest)
   return { lines, pictures: await drawn(views, width, wish, tallest - below(lines) - SLACK, least) }
 }

@@ -81,6 +81,31 @@ def test_a_portrait_in_a_wide_picture_has_its_legend_beside_it_and_the_height_fo
     assert max(one["right"] for one in boxes["legend"]) < boxes["width"]
 
 
+CAPTION = """markup => {
+    const svg = new DOMParser().parseFromString(markup, "image/svg+xml").documentElement
+    document.body.append(svg)
+    const lines = [...svg.querySelectorAll(":scope > text")].map(one => one.getComputedTextLength())
+    svg.remove()
+    return lines
+}"""
+"""The lengths of the lines of a caption."""
+
+
+def test_a_long_caption_is_a_paragraph_of_even_lines_and_leaves_the_portrait_its_width(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    for name in ("85 mm", "full"):
+        page.get_by_role("button", name=name, exact=True).click()
+    svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
+    *lines, _last = page.evaluate(CAPTION, svg)
+    assert len(lines) > 9
+    assert min(lines) > 0.8 * max(lines), lines
+    boxes = page.evaluate(BOXES, svg)
+    assert boxes["frame"]["right"] - boxes["frame"]["left"] > 0.8 * boxes["width"]
+
+
 def test_levels_have_their_names_without_a_caption(visit):
     page = opened_for_a_column(visit)
     page.get_by_role("button", name="no caption", exact=True).click()
