@@ -43,6 +43,8 @@ class PassingCode:
     def __init__(self, names: Names, mode: Mode) -> None:
         self._names, self._mode = names, mode
         self._found = mode.singularities
+        # The others are bounded at one of their zeros, which a surface may be.
+        self._everywhere = [k for k, found in enumerate(self._found) if not found.but_zero]
         self.start = self._assign("start", self._names.symbols)
 
     def _assign(self, place: str, symbols: dict[Symbol, Expr]) -> list[str]:
@@ -71,24 +73,24 @@ class PassingCode:
     def lines_at_start(self) -> list[str]:
         """Lines that end the function where rounding alone may put the state beyond a singularity."""
         lines = self._zeros("start", self._names.x)
-        for k in range(len(self._found)):
+        for k in self._everywhere:
             lines += [f"if abs(start_{k}) <= {_ROUNDING} * start_doubt_{k}:", *self._no_solution(k)]
         return lines
 
     def lines_at_surface(self, texts: Sequence[str], x: Sequence[Symbol]) -> list[str]:
         """Lines that end the function where a singularity lies at x, of these texts, to which rounding is corrected."""
-        lines = [f"{v} = {text}" for v, text in zip(x, texts, strict=True)] if self._found else []
+        lines = [f"{v} = {text}" for v, text in zip(x, texts, strict=True)] if self._everywhere else []
         lines += self._zeros("there", x)
-        for k in range(len(self._found)):
+        for k in self._everywhere:
             least = f"max({BESIDE} * abs(start_{k}), {_ROUNDING} * there_doubt_{k})"
             lines += [f"if abs(there_{k}) <= {least}:", *self._no_solution(k)]
         return lines
 
     def _zeros(self, place: str, x: Sequence[Symbol]) -> list[str]:
         at = dict(zip(self._names.x, x, strict=True))
-        zeros = [found.zero.xreplace(self._names.symbols) for found in self._found]
+        zeros = [self._found[k].zero.xreplace(self._names.symbols) for k in self._everywhere]
         values = [value.xreplace(at) for zero in zeros for value in (zero, rounding_bound(zero))]
-        targets = [f"{place}_{what}{k}" for k in range(len(zeros)) for what in ("", "doubt_")]
+        targets = [f"{place}_{what}{k}" for k in self._everywhere for what in ("", "doubt_")]
         return assignments(targets, values, self._names.temporaries)
 
     @staticmethod
