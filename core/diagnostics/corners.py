@@ -170,11 +170,21 @@ def _made_again(run: Trajectory, begin: int, t: float, step: float) -> _Closer:
     """
     method = METHODS[run.method]
     tighter = max(_EPS, run.tolerance * _TIGHTER) if method.adaptive else math.nan
-    start = run.system, method, float(run.entered_t[begin]), tuple(run.entered_x[begin].tolist())
+    start = run.system, method, float(run.entered_t[begin]), tuple(_entered(run, begin).tolist())
     steps = min(_MORE_STEPS * run.steps, _MOST_STEPS) + _FEW_STEPS  # beyond the end of the run there may be a pole
     runner = Runner(*start, Settings(step, tighter, max_steps=steps, slides=run.slides))
     runner.advance(t + math.copysign(2.0 * step, run.t[-1] - run.t[0]))
     return _Closer(runner.crossings(), runner.t)
+
+
+def _entered(run: Trajectory, segment: int) -> Floats:
+    """(d,) where a segment was entered: on the surface met there, beside which rounding may have put it."""
+    t, x = float(run.entered_t[segment]), run.entered_x[segment]
+    met = int(run.crossings.surface_met[segment - 1]) if segment > 0 else -1
+    if met < 0:
+        return x
+    there = onto_surfaces(run.system, t, x, (met,))
+    return there if np.abs(there - x).max() <= _MARGIN * _EPS * np.abs(x).max() else x
 
 
 def _error(run: Trajectory, passage: _Passage, closer: _Closer) -> float:

@@ -261,3 +261,15 @@ def test_a_run_crosses_a_surface_at_which_the_force_is_not_bounded_but_the_speed
         run = core.integrate(system, (0.0, 5.0), tau=1e-3, method="rk4")
         assert run.status is Status.COMPLETED, f"{system.regions}: {run.message}"
         assert np.hypot(*run.x[-1, 2:]) == pytest.approx(speed, rel=0.02)
+
+
+@pytest.mark.parametrize("f", ["{u}/tan({u})", "{u}*cos({u})/sin({u})"])
+@pytest.mark.parametrize("method", ["rk4", "rk8", "gauss4"])
+def test_a_run_crosses_a_surface_at_a_zero_at_which_the_field_is_bounded(draws, method, f):
+    for rng in draws(3):
+        u = f"(x - ({round(rng.uniform(-0.3, 0.3), 3)}))"
+        force = f.format(u=u)
+        system = core.PiecewiseSystem("Bounded", ("x", "v"), ("v", force), ("v", f"-{force}"), u, x0=(-0.5, 0.8))
+        run = core.integrate(system, (0.0, 2.0), tau=0.005, method=method)
+        assert run.status is Status.COMPLETED, f"{u}: {run.message}"
+        assert len(run.crossings) == 1
