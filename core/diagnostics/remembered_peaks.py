@@ -26,18 +26,23 @@ __all__ = ["remembered_peaks"]
 _HIGH = 1e3
 #: … and the same of what a change at the peak leaves at the end to such a change of what is left.
 _KEPT = 1e3
+#: What is left of such a change below which it is forgotten: rounding alone is left, as where a run slides to rest.
+_FORGOTTEN = 1e-12
 #: Distance of the end from that of a run in other steps, relative to what is left, that is told.
 _SPOILT = 0.1
-#: The same, relative to the peak, below which it is zero up to rounding, as where a run slides or comes to rest.
+#: The same, relative to what is kept of the peak, below which it is zero up to rounding, as where a run comes to rest.
 _ROUNDING = 16.0 * 2.0**-52
-#: What is left is the largest value in this part of the time since the peak, at so many times.
-_LAST, _TIMES = 0.25, 16
+#: Part of the time since the peak in which it is looked for changes of sign, and at how many times.
+_LAST, _TIMES = 0.05, 16
 #: Change of the peak, relative to it: what has become of it can be told apart from rounding.
 _BESIDE = 1e-7
 #: Lengths of other steps of a fixed size, as parts of it: the errors of two runs may be the same by chance …
 _OTHER = (0.5, 0.43)
 #: … and of longest ones of a method that chooses its steps, as parts of the time.
 _OTHER_LONGEST = (1.0 / 64.0, 1.0 / 71.0)
+#: Tolerance of the latter, as a part of the method's own: at a narrow peak it alone decides on the steps.
+_TIGHTER = 2.0**-6
+_EPS = 2.0**-52
 
 
 def remembered_peaks(run: Trajectory) -> Iterator[str]:
@@ -60,7 +65,8 @@ def remembered_peaks(run: Trajectory) -> Iterator[str]:
         if peak < _HIGH * left or not left:
             continue
         off = float(_off(run, run.asked)[k])
-        if off >= max(_SPOILT * left, _ROUNDING * peak) and _remembered(run, run.asked, row, k) >= _KEPT * left / peak:
+        kept = _remembered(run, run.asked, row, k) if off >= _SPOILT * left else np.nan
+        if kept >= max(_KEPT * left / peak, _FORGOTTEN) and off >= _ROUNDING * peak * min(1.0, kept):
             name, t = run.system.variables[k], run.t
             yield (
                 f"{name} is {peak:.1g} in size at t = {t[row]:.6g}, and errors that are small beside this do not decay "
@@ -70,9 +76,10 @@ def remembered_peaks(run: Trajectory) -> Iterator[str]:
 
 
 def _left(run: Trajectory, row: int, k: int) -> float:
-    """Largest size of a variable in the last part of the time since its peak."""
+    """Size of a variable at the end; where it has just changed its sign, the largest in the last part of the time."""
     times = run.t[-1] - _LAST * (run.t[-1] - run.t[row]) * np.linspace(1.0, 0.0, _TIMES)
-    return float(np.abs(run.at(times)[:, k]).max())
+    last = run.at(times)[:, k]
+    return float(np.abs(last).max() if np.ptp(np.sign(last)) else abs(last[-1]))
 
 
 def _off(run: Trajectory, asked: Asked) -> Floats:
@@ -80,8 +87,13 @@ def _off(run: Trajectory, asked: Asked) -> Floats:
     asked, settings, off = asked._replace(t_end=float(run.t[-1])), asked.settings, np.zeros(run.system.dimension)
     longest = abs(float(run.t[-1] - run.t[0]))
     for part, of_all in zip(_OTHER, _OTHER_LONGEST, strict=True):
-        tau = min(part * settings.tau, of_all * longest) if METHODS[run.method].adaptive else part * settings.tau
-        other = anew(run, asked, replace(settings, tau=tau, max_steps=3 * COMPARED))
+        changes = {"tau": part * settings.tau, "tolerance": settings.tolerance}
+        if METHODS[run.method].adaptive:
+            changes = {
+                "tau": min(part * settings.tau, of_all * longest),
+                "tolerance": max(part * _TIGHTER * settings.tolerance, _EPS),
+            }
+        other = anew(run, asked, replace(settings, max_steps=3 * COMPARED, **changes))
         off = np.maximum(off, np.abs(other.x[-1] - run.x[-1]) if other.status is Status.COMPLETED else np.nan)
     return off
 

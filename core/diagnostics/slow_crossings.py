@@ -46,6 +46,8 @@ def slow_crossings(run: Trajectory, crossings: Crossings) -> Iterator[str]:
         lost = np.nan_to_num(np.column_stack([moved / size, lasts / passed])).max(axis=1)
     lost[~arrival.known] = 0.0  # g = 0 all along a slide, which ends for another reason
     lost[at_once & (np.abs(crossings.g) > _ORDER * rounding)] = 0.0  # it is not met, but has been passed by a jump
+    instants = np.isin(arrival.surface, list(run.system.laws.instants))
+    lost[instants] = 0.0  # met as fast as time goes, be the clock rounded as it is
     if lost.max(initial=0.0) > _HALF:
         worst = int(np.argmax(lost))
         time = f"about {lasts[worst]:.1g}" if np.isfinite(lasts[worst]) else "a time that cannot be told"

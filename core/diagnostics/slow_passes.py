@@ -43,6 +43,7 @@ class SlowPasses:
             rows = _minima(speed, run.segment, 1 + np.flatnonzero(slowest & goes_on[1:-1]))
             for row in rows[np.argsort(speed[rows], kind="stable")[:_MOST]].tolist():
                 self._passes.setdefault(row, []).append(part)
+        self._way = 1.0 if run.t[-1] >= run.t[0] else -1.0
         self._times, self._others = (other.t, _rates(other)) if self._passes else (other.t[:0], rates[:0])
 
     @property
@@ -51,7 +52,12 @@ class SlowPasses:
         return sorted(self._passes)
 
     def alike(self, row: int, t: float) -> bool:
-        """Whether the other run is about as slow where it is slowest near time t; True but for rows of slow passes."""
+        """Whether the other run is about as slow where it is slowest near time t, if it comes so far.
+
+        True but for rows of slow passes.
+        """
+        if not len(self._times) or self._way * (t - self._times[-1]) >= 0.0:
+            return True
         return all(self._alike(row, t, part) for part in self._passes.get(row, ()))
 
     def _alike(self, row: int, t: float, part: list[int]) -> bool:

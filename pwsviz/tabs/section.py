@@ -96,7 +96,7 @@ class SectionTab(LongTab):
         self._across, self._up = (Dropdown(words, options={"": 0}, value=0) for words in ("Horizontal", "Vertical"))
         self._across.param.watch(lambda event: self._take_axis(0, event.new), "value")
         self._up.param.watch(lambda event: self._take_axis(1, event.new), "value")
-        self._up_place, kind = _wide(self._up, 81), choice(scene, "section_map", lambda: KINDS, name="Shown")
+        self._up_place, kind = _wide(self._up, 88), choice(scene, "section_map", lambda: KINDS, name="Shown")
         self.note = text_pane("", "about")
         self._more = pn.FlexBox(*self._rarely_needed(), visible=False, margin=0, sizing_mode="stretch_width")
         more = pmui.IconButton(icon="tune", description="More choices", size="small", margin=(10, 0, 0, 0))
@@ -104,7 +104,7 @@ class SectionTab(LongTab):
         scene.param.watch(self._offer, ["system", "own", "section_of", "section_axes", "section_map"])
         self._offer()
         controls = pn.FlexBox(
-            kind, _wide(self._of, 134), self._other, _wide(self._across, 81), self._up_place, more,
+            kind, _wide(self._of, 120), self._other, _wide(self._across, 88), self._up_place, more,
             Disclosure(more, self._more),
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
