@@ -179,7 +179,8 @@ def _made_again(run: Trajectory, begin: int, t: float, step: float) -> _Closer:
 
 def _entered(run: Trajectory, segment: int) -> Floats:
     """(d,) where a segment was entered: on the surface met there, beside which rounding may have put it."""
-    t, x = float(run.entered_t[segment]), run.entered_x[segment]
+    t = float(run.entered_t[segment])
+    x: Floats = run.entered_x[segment]
     met = int(run.crossings.surface_met[segment - 1]) if segment > 0 else -1
     if met < 0:
         return x

@@ -87,13 +87,10 @@ def _off(run: Trajectory, asked: Asked) -> Floats:
     asked, settings, off = asked._replace(t_end=float(run.t[-1])), asked.settings, np.zeros(run.system.dimension)
     longest = abs(float(run.t[-1] - run.t[0]))
     for part, of_all in zip(_OTHER, _OTHER_LONGEST, strict=True):
-        changes = {"tau": part * settings.tau, "tolerance": settings.tolerance}
-        if METHODS[run.method].adaptive:
-            changes = {
-                "tau": min(part * settings.tau, of_all * longest),
-                "tolerance": max(part * _TIGHTER * settings.tolerance, _EPS),
-            }
-        other = anew(run, asked, replace(settings, max_steps=3 * COMPARED, **changes))
+        adaptive = METHODS[run.method].adaptive
+        tau = min(part * settings.tau, of_all * longest) if adaptive else part * settings.tau
+        tolerance = max(part * _TIGHTER * settings.tolerance, _EPS) if adaptive else settings.tolerance
+        other = anew(run, asked, replace(settings, tau=tau, tolerance=tolerance, max_steps=3 * COMPARED))
         off = np.maximum(off, np.abs(other.x[-1] - run.x[-1]) if other.status is Status.COMPLETED else np.nan)
     return off
 

@@ -6,7 +6,8 @@ from core.integration.conserved_error import largest_size
 from core.integration.runner import Runner
 from core.integration.tally import KINDS
 from core.integration.time_loop import compiled_march, march_signature
+from core.integration.trajectory import COMPARED
 from core.kernels.abi import Frame
 from core.transition.records import HIT, ROW
 
-__all__ = ["HIT", "KINDS", "ROW", "Frame", "Runner", "compiled_march", "largest_size", "march_signature"]
+__all__ = ["COMPARED", "HIT", "KINDS", "ROW", "Frame", "Runner", "compiled_march", "largest_size", "march_signature"]

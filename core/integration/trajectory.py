@@ -28,8 +28,8 @@ from core.transition.status import Status
 
 __all__ = ["COMPARED", "Status", "Trajectory"]
 
-#: Steps of a run, the first ones, that are compared with shorter ones.
 COMPARED = 50_000
+"""Steps of a run, the first ones, that are compared with shorter ones."""
 
 #: Number of recorded states at which the size of ψ is evaluated.
 _SAMPLE = 500

@@ -7,6 +7,7 @@ import sympy
 import core
 from core.symbolic import TIME, Way, keeps
 from pwsviz.geometry.section_crossings import has_reset
+from pwsviz.geometry.section_plane import surface_functions
 from pwsviz.scene.presets import PRESETS
 from pwsviz.text.words import listed
 
@@ -18,7 +19,7 @@ def reset_words(system: core.PiecewiseSystem, of: str) -> str:
     return ", just after the reset map" if has_reset(system, of) else ""
 
 
-def prospects(system: core.PiecewiseSystem, view: str, shown: str = "") -> str:
+def prospects(system: core.PiecewiseSystem, view: str, shown: str = "", of: str = "") -> str:
     """Return why a view can show little, or what it depends on, and which examples show more; else nothing.
 
     Parameters
@@ -27,9 +28,12 @@ def prospects(system: core.PiecewiseSystem, view: str, shown: str = "") -> str:
         Its key.
     shown
         Title of the example that is shown, which is not recommended.
+    of
+        What the points are zeros of; empty for the system's own surfaces.
     """
     words = []
-    if _is_flow_in_the_plane(system):
+    stroboscopic = any(TIME in h.free_symbols for h in surface_functions(system, of))
+    if _is_flow_in_the_plane(system) and not stroboscopic:
         words.append(
             "A bounded orbit of an autonomous planar system generically is, or approaches, an equilibrium or a closed "
             "orbit, so that few distinct points remain after a transient."

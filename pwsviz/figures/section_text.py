@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
+from core.integration import COMPARED
 from pwsviz.figures.section_prospects import reset_words
 from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.results.requests import SectionInputs
@@ -128,7 +129,11 @@ def _integrated(outcome: SectionPoints) -> str:
     adaptive = scheme.tolerance is not None
     step = f"tolerance {scheme.tolerance:.3g}" if adaptive else f"step size τ = {outcome.inputs.tau:.15g}"
     first, last = (f"t = {end:,.4g}" for end in (min(outcome.ends), max(outcome.ends)))
-    return f"integrated by {scheme.method} with {step} to {first if first == last else f'times from {first} to {last}'}"
+    until = COMPARED * outcome.inputs.tau
+    unseen = max(map(abs, outcome.ends)) > until and not adaptive
+    examined = f", of which errors are examined up to t = {until:,.4g}" * unseen
+    to = first if first == last else f"times from {first} to {last}"
+    return f"integrated by {scheme.method} with {step} to {to}{examined}"
 
 
 def _drawn(outcome: SectionPoints) -> str:

@@ -197,7 +197,8 @@ class SectionTab(LongTab):
 
     def remark(self, outcome: SectionPoints) -> str:
         """Return what may be expected of the points, and what the runs do at crossings if that is unusual."""
-        hope = prospects(outcome.inputs.problem.declaration, "section", shown_example(self.scene))
+        inputs = outcome.inputs
+        hope = prospects(inputs.problem.declaration, "section", shown_example(self.scene), inputs.of)
         return f"{hope} {about_crossings(self.scene, locates=True)}".strip()
 
     def _hint(self) -> str:

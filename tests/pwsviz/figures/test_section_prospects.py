@@ -31,3 +31,9 @@ def test_a_ball_that_bounces_without_loss_conserves_its_energy():
 def test_where_little_is_to_be_seen_the_examples_of_the_view_are_named(view, title):
     assert title in prospects(core.CATALOGUE["elliptic_curve"], view)
     assert prospects(core.CATALOGUE["chua"], view) == ""
+
+
+def test_of_a_stroboscopic_section_of_a_flow_in_the_plane_it_is_not_said_that_few_points_remain():
+    system = core.CATALOGUE["elliptic_curve"]
+    assert "few distinct points" in prospects(system, "section", of="x - 1")
+    assert "few distinct points" not in prospects(system, "section", of="sin(3*t)")
