@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.diagnostics.departures import noise
-from core.diagnostics.examined_steps import Steps
+from core.diagnostics.examined_steps import NEAR, Steps
 from core.kernels.arrays import Floats
 
 __all__ = ["too_long_for_the_order"]
@@ -29,6 +29,8 @@ _LARGE, _HIGHER = 1e-3, 1.5
 _OF_ALL = 0.2
 #: Error of a step by rounding of the state, relative to it.
 _ROUNDING = 2.0**-48
+#: Part of a step that is left out before a surface on which the field has no value.
+_BEFORE = 2.0**-16
 #: Most steps, those with the largest errors, of which the order is estimated.
 _MOST = 64
 
@@ -72,6 +74,7 @@ def too_long_for_the_order(groups: Sequence[Steps]) -> Iterator[str]:
 
 def _largest(steps: Steps) -> tuple[NDArray[np.intp], _Largest]:
     """Rows of the steps with the largest errors, none of them usual, and what is known of these steps."""
+    steps = _before_the_surface(steps)
     whole, halves = _end(steps, 1), _end(steps, 2)
     with np.errstate(all="ignore"):
         unit = np.nanmax(np.abs(halves - steps.x), axis=0, initial=0.0)
@@ -86,6 +89,17 @@ def _largest(steps: Steps) -> tuple[NDArray[np.intp], _Largest]:
         clock = np.abs(np.spacing(some.t) / some.h)[:, None] * np.abs(halves[rows] - some.x)  # of how long a step is
         rounding = ((noise(some) + _ROUNDING * np.abs(some.x) + clock) / unit).max(axis=1)
     return rows, _Largest(np.column_stack([error[rows], *later]), rounding)
+
+
+def _before_the_surface(steps: Steps) -> Steps:
+    """The steps, of which those end just before the surface that have no value on it, as of a field 1/sqrt(g)."""
+    whole = np.abs(steps.h) >= (1.0 - NEAR) * steps.run.tau
+    cut = np.flatnonzero(~whole)
+    ends = [_end(steps.some(cut), count) for count in (1, 2, 4, 8)] if len(cut) else []
+    bare = cut[~np.isfinite(ends).all(axis=(0, 2))] if ends else cut
+    h = steps.h.copy()
+    h[bare] *= 1.0 - _BEFORE
+    return Steps(steps.run, steps.t, steps.x, steps.mode, h) if len(bare) else steps
 
 
 def _end(steps: Steps, count: int) -> Floats:

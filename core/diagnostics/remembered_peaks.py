@@ -32,7 +32,7 @@ _FORGOTTEN = 1e-12
 _SPOILT = 0.1
 #: The same, relative to what is kept of the peak, below which it is zero up to rounding, as where a run comes to rest.
 _ROUNDING = 16.0 * 2.0**-52
-#: Part of the time since the peak in which it is looked for changes of sign, and at how many times.
+#: What is left is the largest value in this part of the time since the peak, at so many times.
 _LAST, _TIMES = 0.05, 16
 #: Change of the peak, relative to it: what has become of it can be told apart from rounding.
 _BESIDE = 1e-7
@@ -76,10 +76,9 @@ def remembered_peaks(run: Trajectory) -> Iterator[str]:
 
 
 def _left(run: Trajectory, row: int, k: int) -> float:
-    """Size of a variable at the end; where it has just changed its sign, the largest in the last part of the time."""
+    """Largest size of a variable in the last part of the time since its peak."""
     times = run.t[-1] - _LAST * (run.t[-1] - run.t[row]) * np.linspace(1.0, 0.0, _TIMES)
-    last = run.at(times)[:, k]
-    return float(np.abs(last).max() if np.ptp(np.sign(last)) else abs(last[-1]))
+    return float(np.abs(run.at(times)[:, k]).max())
 
 
 def _off(run: Trajectory, asked: Asked) -> Floats:

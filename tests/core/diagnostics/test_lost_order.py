@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import core
@@ -30,3 +32,12 @@ def test_steps_with_large_errors_of_the_right_order_are_not_said_to_lose_it(key,
     # Each has a step whose error is more than ten times the median, and 1e-5 of the longest step.
     run = core.integrate(core.CATALOGUE[key], (0.0, 20.0), tau=0.1, method=method)
     assert "order" not in run.warning
+
+
+@pytest.mark.parametrize(("method", "tau"), [("rk4", 0.004), ("rk4", 0.002), ("rk8", 0.01)])
+def test_a_step_to_a_surface_on_which_the_field_has_no_value_is_told(method, tau):
+    system = core.PiecewiseSystem("Pulled", ("x", "v"), ("v", "0.459 - x"), ("v", "-0.459/sqrt(x) - x"), "x")
+    run = core.integrate(system, (0.0, 3.0), (1.346, -0.565), tau=tau, method=method)
+    exact = -math.sqrt(0.565**2 + 1.346**2 + 4 * 0.459 * math.sqrt(1.346))  # speed at the surface, of the energy
+    assert abs(run.crossings.x[0, 1] - exact) > 1e-4
+    assert "too long" in run.warning

@@ -49,3 +49,11 @@ def test_a_state_that_decays_from_its_peak_with_its_errors_is_not_told(method):
         assert TOLD not in run.warning
     slides = core.integrate("relay_feedback", (0.0, 50.0), tau=tau, method=method, sliding="continue")
     assert TOLD not in slides.warning
+
+
+def test_a_narrow_peak_is_compared_in_other_tolerances():
+    f = "-4*(t - 0.8)/((t - 0.8)**2 + w**2)**3"
+    system = core.PiecewiseSystem("Peak", ("x",), (f,), (f,), "x + 1e20", parameters={"w": 1.4e-6})
+    run = core.integrate(system, (0.0, 3.0), (0.8**-4,), method="taylor")
+    assert abs(run.x[-1, 0] - 2.2**-4) > 1e6
+    assert TOLD in run.warning
