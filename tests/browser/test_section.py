@@ -62,5 +62,5 @@ def test_in_the_plane_the_surface_is_drawn_and_a_click_near_it_starts_on_it(visi
     assert max(seen["far"]) < 1e-2
     page.mouse.click(*seen["place"])
     said = page.get_by_text(re.compile(r"^Start 2 at x = ")).inner_text().replace("−", "-")
-    x, y = (float(number) for number in re.findall(r"= (-?[\d.]+\d)", said))
+    x, y = (float(number) for number in re.findall(r"= (-?\d+(?:\.\d+)?)", said))
     assert abs(x**2 + y**2 - 1) < 1e-5
