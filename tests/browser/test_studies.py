@@ -95,8 +95,8 @@ def test_round_off_of_a_large_psi_is_no_drift(visit):
 def test_a_reference_that_gives_up_has_a_colour_of_its_own(visit):
     page = visit(query="v=1&system=kepler&view=stability&methods=rk4&t_end=20.0")
     page.get_by_text("625 runs").wait_for(timeout=400_000)  # at the centre both reference and steps take long
-    looks = {tuple(look) for look in await_that(page, CELLS)["looks"]}
-    assert any("no reference to the end" in words for words, _ in looks)
+    seen = await_that(page, CELLS, lambda now: any("no reference to the end" in words for words, _ in now["looks"]))
+    looks = {tuple(look) for look in seen["looks"]}
     assert len({words for words, _ in looks}) == len({colour for _, colour in looks}) == len(looks)
 
 
