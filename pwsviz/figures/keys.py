@@ -36,15 +36,17 @@ canvas_view.events_el.tabIndex = -1  // the figure itself is the one stop; after
 const STEP = 0.1, ZOOM = 1.25        // of what is seen
 const MOVES = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowDown: [0, -STEP], ArrowUp: [0, STEP] }
 const ZOOMS = { "+": 1 / ZOOM, "=": 1 / ZOOM, "-": ZOOM, "\\u2212": ZOOM }
-const FITS = ["0", "f", "F"], SETTLED = 400  // milliseconds
+const FITS = ["0", "f", "F"], SETTLED = 400, LATE = 10000  // milliseconds
 // The ends of a range, moved and zoomed on the screen: where its scale is logarithmic, too.
 const changed = (scale, by, factor) => {
   const range = scale.source_range, [low, high] = [range.start, range.end].map(end => scale.compute(end))
   const middle = (low + high) / 2 + by * (high - low), half = factor * (high - low) / 2
   return new Map([[range, { start: scale.invert(middle - half), end: scale.invert(middle + half) }]])
 }
-// What is seen now, for screen readers: once the ranges are known, of which the server may have a say.
-const tell = () => setTimeout(() => {
+// What is seen now, for screen readers: once the ranges rest, of which the server may have a say, be it late.
+let timer = 0, until = 0
+const tell = () => { clearTimeout(timer); timer = setTimeout(say, SETTLED) }
+const say = () => {
   const { below, left } = view.model, axes = [[below, frame.x_scale, "across"], [left, frame.y_scale, "up"]]
   const seen = axes.map(([[axis], { source_range }, way]) => {
     const name = typeof axis?.axis_label == "string" && !axis.axis_label.includes("$") ? axis.axis_label : way
@@ -52,7 +54,10 @@ const tell = () => setTimeout(() => {
     return `${name} from ${low} to ${high}`
   })
   document.dispatchEvent(new CustomEvent("seen", { detail: `In sight: ${seen.join(", ")}.` }))
-}, SETTLED)
+}
+for (const range of [view.model.x_range, view.model.y_range]) {
+  range.change.connect(() => { if (performance.now() < until) { tell() } })
+}
 el.addEventListener("keydown", event => {
   if (event.ctrlKey || event.altKey || event.metaKey) { return }
   const { key } = event
@@ -65,6 +70,7 @@ el.addEventListener("keydown", event => {
     view.trigger_ranges_update_event()
   } else { return }
   event.preventDefault()
+  until = performance.now() + LATE
   tell()
 })
 """
