@@ -93,6 +93,8 @@ def _astray(run: Trajectory, finer: Trajectory) -> tuple[float, bool] | None:
     for k, size in zip(rows.tolist(), np.where(moves, high - low, np.inf), strict=True):
         t = float(run.t[k])
         around = (0.0 if forced else _SHIFT * abs(t - before)) + (0.0 if forced and not jumps else 2.0 * finer.tau)
+        if forced and not jumps and k == last and _apart_at(finer, t, run.x[k], size):
+            return t, False
         if finer.status in _UNFINISHED and way * (t + shift) + around > way * finer.t[-1]:
             return None
         distance, found = orbit.nearest(t + shift, around, run.x[k], size)
@@ -102,6 +104,12 @@ def _astray(run: Trajectory, finer: Trajectory) -> tuple[float, bool] | None:
             return t, True
         before, shift = t, 0.0 if forced else found - t
     return None
+
+
+def _apart_at(finer: Trajectory, t: float, x: Floats, size: Floats) -> bool:
+    """Whether a state is far from that of another run at the same time, which a step of that other may lead past."""
+    reached = abs(t - finer.t[0]) <= abs(finer.t[-1] - finer.t[0])
+    return bool(reached and (np.abs(finer.at(np.array([t]))[0] - x) >= _FAR * size).any())
 
 
 class _Orbit:

@@ -21,6 +21,18 @@ def test_errors_that_grow_to_the_size_of_the_state_are_told_whatever_is_recorded
     assert ("the errors of the steps have grown to a tenth" in run.warning) is told, run.warning
 
 
+@pytest.mark.parametrize("until", [3.5, 3.598])
+def test_a_run_led_off_an_unstable_orbit_is_told_though_one_in_half_steps_is_led_off_likewise(until):
+    # The solution is (cos t, sin t). Errors grow like exp(69 t) along one direction: in a step the finer run comes past
+    # the state of the other, from which it is a quarter of the range away at the same time.
+    u, v = "(x - cos(t))", "(y - sin(t))"
+    along, aside = f"69*(0.683*{u} + 0.73*{v})", f"0.66*(0.683*{v} - 0.73*{u})"
+    law = (f"0.683*{along} - 0.73*{aside} - sin(t)", f"0.73*{along} + 0.683*{aside} + cos(t)")
+    unstable = core.PiecewiseSystem("unstable", ("x", "y"), law, law, "x + 0.44", x0=(1.0, 0.0))
+    run = core.integrate(unstable, (0.0, until), tau=0.0213, method="rk4")
+    assert "the errors of the steps have grown to a tenth" in run.warning, run.message
+
+
 @pytest.mark.parametrize("key", ["harmonic_oscillator", "bouncing_ball", "elliptic_curve", "moving_interface"])
 def test_a_shift_in_time_along_the_orbit_is_not_told(key):
     # Elliptic curve: the state is a fifth of the range from that at the same time, on the orbit all the same.
