@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, cached_property
 
 import sympy
@@ -105,13 +105,20 @@ def evaluate_switching_text(laws: Laws, guard: Expr, modes: Sequence[Mode]) -> s
     """
     names = Names(laws)
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
-    lines += lines_beside(names.symbols, names.temporaries, (modes[0], modes[-1]), Symbol("t"), names.x)
     slack = sympy.Add(*(magnitude(guard.diff(v) * v) for v in laws.x)) * sympy.Float(_EPS)
     doubt = rounding_bound(guard) * sympy.Float(_EPS)
-    values = names.own([guard, modes[0].rate_of(guard), modes[-1].rate_of(guard), slack, doubt])
-    places = (abi.G, abi.RATES, abi.RATES + 1, abi.ROUNDING_OF_STATE, abi.ROUNDING_OF_G)
-    targets = [f"w[{k}]" for k in places]
-    return function_text("evaluate_switching", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
+    of_g = {abi.G: guard, abi.ROUNDING_OF_STATE: slack, abi.ROUNDING_OF_G: doubt}
+    rates = {abi.RATES: modes[0].rate_of(guard), abi.RATES + 1: modes[-1].rate_of(guard)}
+
+    def written(values: Mapping[int, Expr]) -> list[str]:
+        targets = [f"w[{place}]" for place in values]
+        return assignments(targets, names.own(values.values()), names.temporaries)
+
+    if beside := lines_beside(names.symbols, names.temporaries, (modes[0], modes[-1]), Symbol("t"), names.x):
+        lines += [*written(of_g), *beside, *written(rates)]  # only the rates are those of a place beside it
+    else:
+        lines += written({**of_g, **rates})
+    return function_text("evaluate_switching", [*lines, "return 0"])
 
 
 def jump_text(laws: Laws, jump: Sequence[Expr]) -> str:

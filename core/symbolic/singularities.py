@@ -133,24 +133,28 @@ def _vanishing(node: Expr) -> Iterator[Expr]:
 
 
 def _polynomial_factors(u: Expr) -> list[tuple[Expr, Expr]]:
-    """Factors of a polynomial and their powers; none of another expression, nor where sympy finds none.
-
-    One that has no factors stays as it is written: multiplied out, (t − 1)² + 10⁻¹⁶ vanishes to rounding near t = 1.
-    """
+    """Factors of a polynomial and their powers; none of another expression, nor where sympy finds none."""
     try:
         found = factor_list(u)[1] if u.is_polynomial() else []
     except sympy.BasePolynomialError:  # of the number (43/10)**(2*E), or with it
         return []
-    return [(u if [n for _, n in found] == [1] else v, sympy.Integer(n)) for v, n in found]
+    return [(v, sympy.Integer(n)) for v, n in found]
 
 
 def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
-    """Factors of an expression without their powers; where its sign counts, as under a root, those of even powers."""
+    """Factors of an expression without their powers; where its sign counts, as under a root, those of even powers.
+
+    One that has no factors stays as it is written, so that rounding makes it zero where it makes the denominator zero:
+    multiplied out, (t − 1)² + 10⁻¹⁶ vanishes to rounding near t = 1, and 3x + 5y where x/5 + y/3 does not.
+    """
     powers: list[tuple[Expr, Expr]] = []
+    numerator = u
     if u.count_ops() <= _LONG:
-        u = sympy.fraction(together(u.replace(sympy.tan, lambda v: sympy.sin(v) / sympy.cos(v))))[0]
-        powers = _polynomial_factors(u)
-    for base, exponent in powers or [v.as_base_exp() for v in sympy.Mul.make_args(u)]:
+        numerator = sympy.fraction(together(u.replace(sympy.tan, lambda v: sympy.sin(v) / sympy.cos(v))))[0]
+        powers = _polynomial_factors(numerator)
+        if [n for _, n in powers] == [1] and u.is_polynomial():
+            powers = [(u, sympy.S.One)]
+    for base, exponent in powers or [v.as_base_exp() for v in sympy.Mul.make_args(numerator)]:
         if exponent.is_Integer and exponent > 0 and not (signed and exponent % 2):
             yield base
         elif exponent.is_number and exponent > 0 and not exponent.is_Integer:
