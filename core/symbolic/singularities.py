@@ -147,6 +147,10 @@ def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
     One that has no factors stays as it is written, so that rounding makes it zero where it makes the denominator zero:
     multiplied out, (t − 1)² + 10⁻¹⁶ vanishes to rounding near t = 1, and 3x + 5y where x/5 + y/3 does not.
     """
+    if u.is_Mul and not signed:
+        for v in u.args:
+            yield from _factors(v, signed)
+        return
     powers: list[tuple[Expr, Expr]] = []
     numerator = u
     if u.count_ops() <= _LONG:

@@ -68,6 +68,9 @@ _COMING = 3
 _SAME = 2.0**-20
 #: A guard of sliding vanishes as a power of time if its rate is then below this part of its mean rate in the step.
 _FLAT = 2.0**-26
+#: Both rates vanish at once if the other is below this part of what the first loses in a time as long as the slide, as
+#: where g = 0 crosses itself: there the rates are round-off of the state, and not of their own terms.
+_AT_ONCE = 2.0**-36
 
 
 @internal
@@ -379,7 +382,8 @@ def leave_sliding(context, log, found):
         return _CORNER
     look_at(run, w, 1 - guard_left)
     evaluate_switching(context, run.t)
-    attracts = run.sign * w[G] > MARGIN * w[ROUNDING_OF_G]
+    lost = run.height * elapsed(run) / abs(run.hit) if known and run.hit != 0.0 else 0.0
+    attracts = run.sign * w[G] > max(MARGIN * w[ROUNDING_OF_G], _AT_ONCE * lost)
     look_at(run, w, guard_left)
     into_minus, into_plus = evaluate_rates(context, guard.to + guard.back, run.t)
     rate = into_minus if guard_left == 0 else into_plus
