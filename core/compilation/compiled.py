@@ -29,6 +29,7 @@ from core.compilation.guards import guard_table
 from core.compilation.texts import rows_of_events, texts_of_events, texts_of_modes
 from core.compilation.worker_pool import WorkerPool, serve
 from core.interface.arguments import count, number
+from core.interface.under_way import compiling
 from core.kernels.abi import FUNCTIONS, PREPARE, STEP
 from core.kernels.digest import imported_modules, source_digest
 from core.methods import Method
@@ -88,13 +89,12 @@ def compile_run(
             texts.append((rows, text))
             if _pool is not None and not _is_compiled(text):
                 submitted.append(_pool.submit(text))
-    wait(filter(None, submitted), _PATIENCE)
     rows_in_all = len(table.guards) + laws.count * len(events)
-    addresses, modules = np.zeros((rows_in_all, len(FUNCTIONS)), dtype=np.int64), []
-    for rows, text in texts:
-        with _lock:
-            module = _load(text)
-        modules.append(module)
+    addresses = np.zeros((rows_in_all, len(FUNCTIONS)), dtype=np.int64)
+    with compiling(method.name):
+        wait(filter(None, submitted), _PATIENCE)
+        modules = [_loaded(text) for _, text in texts]
+    for (rows, _), module in zip(texts, modules, strict=True):
         for k, name in enumerate(FUNCTIONS):
             if hasattr(module, name):
                 addresses[rows, k] = getattr(module, name).address
@@ -146,6 +146,11 @@ def _is_compiled(text: str) -> bool:
     """Whether the machine code of all functions of a text is on disk."""
     path = _path(text)
     return len(list(path.parent.glob(f"__pycache__/{path.stem}.*.o"))) >= text.count("@native")
+
+
+def _loaded(text: str) -> ModuleType:
+    with _lock:
+        return _load(text)
 
 
 @lru_cache(maxsize=MAX_MODULES)

@@ -97,7 +97,7 @@ class Beginning:
             w[ORDER], w[TOLERANCE] = order_of(tolerance), tolerance
             pieces = scratch_shape(order_of(tolerance))
         w.flags.writeable = False
-        self.march, self.table, self.blank_frame = compiled_march(), guard_table(laws), w
+        self.march, self.table, self.blank_frame = compiled_march(bool(events)), guard_table(laws), w
         self.nowhere = np.empty(1, dtype=ROW), np.empty((1, frame.d))
         self.no_envelope = np.empty((0, self.monitored, 2))
         self._shape = run.tobytes(), w, frame.x, frame.d, len(laws.p), pieces

@@ -24,7 +24,7 @@ from core.methods import METHODS
 from core.system import PiecewiseSystem
 from core.transition.records import NO_MODE
 
-__all__ = ["largest_size", "level_residual_along", "psi_size", "with_exits"]
+__all__ = ["compiled_error", "largest_size", "level_residual_along", "psi_size", "with_exits"]
 
 
 def level_residual_along(
@@ -65,7 +65,7 @@ def level_residual_along(
         functions, table = compile_run(laws, METHODS[method], levels=True, modes=modes), guard_table(laws)
         w, scratch = frame.empty(), np.empty((1, 1))
         rows = (np.ascontiguousarray(a) for a in (t, x, mode, segment, entered_t, entered_x))
-        _compiled()(
+        compiled_error()(
             functions.addresses, table.first_rows, system.parameter_array.copy(), w, scratch, d, *rows, residual
         )
     return residual
@@ -136,7 +136,7 @@ def _sizes(conserved: tuple[sympy.Expr, ...], x: tuple[sympy.Symbol, ...]) -> li
 
 
 @lru_cache(maxsize=1)
-def _compiled() -> Callable[..., None]:
+def compiled_error() -> Callable[..., None]:
     """Compile the loop over the rows, or load it from numba's cache."""
     vector, matrix, whole = types.float64[::1], types.float64[:, ::1], types.int64[::1]
     signature: Any = types.void(

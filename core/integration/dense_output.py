@@ -31,7 +31,7 @@ from core.methods import Method
 from core.methods.taylor_step import coefficient_rows
 from core.system import PiecewiseSystem
 
-__all__ = ["Found", "Stepper", "Track"]
+__all__ = ["Found", "Stepper", "Track", "compiled_between"]
 
 Integers = NDArray[np.int64]
 
@@ -78,7 +78,7 @@ class Stepper:
     def __init__(self, system: PiecewiseSystem, method: Method, tolerance: float) -> None:
         d, m = system.dimension, system.laws.most_conserved_sliding
         self._laws, self._method = system.laws, method
-        self._along, self._p, self._w = _compiled(), system.parameter_array.copy(), Frame(d, m).empty()
+        self._along, self._p, self._w = compiled_between(), system.parameter_array.copy(), Frame(d, m).empty()
         self._d, self._adaptive, self._conservative = d, method.adaptive, method.conservative
         if method.adaptive:
             self._w[ORDER], self._w[TOLERANCE] = order_of(tolerance), tolerance
@@ -173,7 +173,7 @@ def _signature() -> Any:
 
 
 @lru_cache(maxsize=1)
-def _compiled() -> Callable[..., int]:
+def compiled_between() -> Callable[..., int]:
     """Compile the loop over times, or load it from numba's cache."""
     sources, head = source_digest(__name__), Frame(0, 0).x
 

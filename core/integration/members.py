@@ -28,7 +28,6 @@ from core.integration.members_loop import (
 from core.integration.psi_change import compile_psi, largest_change, psi_arrays, size_of_psi
 from core.integration.run_settings import ALL, CrossingsOf, Settings
 from core.integration.runner import Runner
-from core.integration.time_loop import compiled_march
 from core.interface.tasks import GivenUp
 from core.kernels.abi import Frame
 from core.kernels.arrays import Floats
@@ -255,7 +254,7 @@ class _Run:
         """Call the loop."""
         members, laws, blank, memory = self.members, self.members.system.laws, self.blank, self.blank.memory
         return compiled_members()(
-            compiled_march(), blank.functions, blank.guards, memory.record, memory.w, members.system.dimension,
+            self.first.begun.march, blank.functions, blank.guards, memory.record, memory.w, members.system.dimension,
             memory.coefficients, memory.nodes, memory.pieces, memory.record.copy(), memory.w.copy(), self.rows,
             self.rows_x, self.hits, self.places, blank.envelope, memory.samples, memory.looks, memory.passes,
             *blank.events, blank.budget, members.settings.max_steps, self.first_rows, members.places.guards,

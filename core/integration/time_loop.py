@@ -13,6 +13,7 @@ import numba
 from numba import njit, types
 
 from core.integration.unlike import STEPS_BETWEEN, look
+from core.interface.under_way import compiling
 from core.kernels.abi import STEP, VECTORS, Frame, call
 from core.kernels.by_reference import by_reference
 from core.kernels.digest import source_digest
@@ -100,9 +101,14 @@ def march_signature() -> Any:
     )  # fmt: skip
 
 
-@lru_cache(maxsize=1)
-def compiled_march() -> Callable[..., int]:
+def compiled_march(watching: bool = False) -> Callable[..., int]:
     """Compile the loop, or load it from numba's cache.
+
+    Parameters
+    ----------
+    watching
+        Whether the runs have event functions. Without what locates events the loop compiles in little more than half
+        the time, and most runs have none.
 
     Returns
     -------
@@ -114,6 +120,12 @@ def compiled_march() -> Callable[..., int]:
         events, there is one record, and v and series are not used; for events see `event_search.Watch`, with the frame
         v of their location.
     """
+    with compiling("the time loop"):
+        return _compiled(bool(watching))
+
+
+@lru_cache(maxsize=2)
+def _compiled(watching: bool) -> Callable[..., int]:
     sources, head = source_digest(__name__), Frame(0, 0).x
 
     @njit(march_signature(), cache=True, nogil=True, **OPTIONS)
@@ -121,7 +133,8 @@ def compiled_march() -> Callable[..., int]:
         functions, guards, records, p, w, d, scratch, nodes, pieces, budget,
         rows, rows_x, hits, places, envelope, samples, looks, passes, events, found, found_x, v, series,
     ):  # fmt: skip
-        _ = sources  # closed over, it enters the key of numba's cache
+        # Closed over, both enter the key of numba's cache; where `watching` is False, numba leaves out what it guards.
+        _ = sources
         run = records[0]
         x, carry = w[head : head + d], w[head + d : head + 2 * d]
         increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
@@ -157,7 +170,7 @@ def compiled_march() -> Callable[..., int]:
             status = end_at_once(context, log)
             if status != RUNNING:
                 return status
-        if run.events > 0:
+        if watching:
             note_transitions(run, places, 0)
         if run.pending == 1:
             return RUNNING
@@ -176,7 +189,7 @@ def compiled_march() -> Callable[..., int]:
                     run.final = 1
                 else:
                     h = run.tau
-            if run.events > 0:
+            if watching:
                 if 2 * run.found > found.size or run.crowded == 1:
                     return RUNNING
                 watch_start(locating, watch, x, carry)
@@ -197,18 +210,20 @@ def compiled_march() -> Callable[..., int]:
                     x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
                 run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
                 run.rest = 0.0
-                if run.events > 0:
+                if watching:
                     status = examine_plain_step(locating, watch, x, carry, w, h, hits, places)
                     if status != RUNNING:
                         end_sample(run, run.t, samples)
                         return status
             else:
                 hits_before = run.hits
-                if run.events > 0:
+                if watching:
                     keep_start(watch, w, v, d)
                 status = advance(context, log, h)
-                if run.events > 0 and run.taken != 0.0:
-                    ended = examine_piece(locating, watch, x, carry, w, h, run.taken, False, hits, places)
+                if watching:
+                    ended = RUNNING
+                    if run.taken != 0.0:
+                        ended = examine_piece(locating, watch, x, carry, w, h, run.taken, False, hits, places)
                     if ended != RUNNING:
                         end_sample(run, run.t, samples)
                         return ended
@@ -216,7 +231,7 @@ def compiled_march() -> Callable[..., int]:
                     end_sample(run, hits[run.hits - 1].t, samples)
                 while status == RUNNING and run.past > 0 and run.pending == 0 and run.hits < hits.size:
                     status = end_at_once(context, log)
-                if run.events > 0:
+                if watching:
                     note_transitions(run, places, hits_before)
                 if status == RUNNING and (run.pending == 1 or run.past > 0):
                     if run.rest == 0.0:

@@ -10,7 +10,9 @@ import pytest
 
 import core
 from core.compilation import compiled
+from core.integration import beginning
 from core.integration.time_loop import compiled_march
+from core.interface import being_compiled, compiling
 from core.kernels.abi import STEP
 from tests.levels import QUICK_METHODS
 
@@ -50,6 +52,24 @@ def test_a_second_process_loads_instead_of_compiling():
     command = [sys.executable, "-c", _SECOND_PROCESS]
     told = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
     assert told == ["1", "0"] * 3, "hits and misses of the caches of the loop and of both sides' steps"
+
+
+def test_only_a_run_with_events_waits_for_the_loop_that_locates_them(monkeypatch):
+    asked = []
+    monkeypatch.setattr(beginning, "compiled_march", lambda watching: asked.append(watching) or compiled_march())
+    system = core.PiecewiseSystem("own", ("x", "y"), ("y", "-1.25*x"), ("y", "-x"), "y")
+    core.integrate(system, (0.0, 1.0))
+    assert asked == [False]
+    core.integrate(system, (0.0, 1.0), events=core.Event("x", 1))
+    assert asked == [False, True]
+    assert compiled_march() is compiled_march(False) is not compiled_march(True)
+
+
+def test_what_is_being_compiled_is_told_while_it_is():
+    names = []
+    with compiling("the time loop"), compiling("rk2"):
+        names.append(being_compiled())
+    assert [*names, being_compiled()] == ["the time loop", ""]
 
 
 def test_sides_of_the_same_law_are_compiled_once():
