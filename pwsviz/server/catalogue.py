@@ -1,4 +1,6 @@
-"""Compile the catalogue beside the server, once on a machine: the first choice of a system then only loads from disk.
+"""Compile beside the server, once on a machine, what the first pictures need: they then only load it from disk.
+
+First come the loops of all systems: the server itself compiles that of the first picture meanwhile. Then the catalogue.
 
 ``python -m pwsviz.server.catalogue`` does it in the process that runs it.
 """
@@ -12,11 +14,16 @@ from collections.abc import Iterable
 from functools import cache
 from threading import Thread
 
+import numpy as np
+
 import core
+from core.integration import LOOPS_BESIDE
+from pwsviz.geometry.bends import bent_pieces
+from pwsviz.geometry.polyline_reduction import longest_side, painted_first, screen_path
 from pwsviz.results.requests import sliding_of
 from pwsviz.scene.scene import Scene
 
-__all__ = ["compile_beside_once", "compile_catalogue", "declare_beside_once"]
+__all__ = ["compile_beside_once", "compile_catalogue", "compile_loops", "declare_beside_once"]
 
 LEAST_PRIORITY = 19
 """Niceness of the process that compiles: it takes only the time that nobody else wants."""
@@ -24,7 +31,7 @@ LEAST_PRIORITY = 19
 
 @cache
 def compile_beside_once() -> subprocess.Popen[bytes]:
-    """Start a process that compiles the catalogue and ends; later calls in the same process start no other."""
+    """Start a process that compiles loops and catalogue and ends; later calls in the same process start no other."""
     command = [sys.executable, "-m", "pwsviz.server.catalogue"]
     return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)  # noqa: S603  (our own)
 
@@ -35,6 +42,24 @@ def declare_beside_once() -> Thread:
     thread = Thread(target=lambda: list(core.CATALOGUE.values()), name="pwsviz-catalogue", daemon=True)
     thread.start()
     return thread
+
+
+def compile_loops() -> None:
+    """Compile what a picture needs besides the time loop, and then what other views do."""
+    LOOPS_BESIDE[0]()
+    _draw_a_circle()
+    for loop in LOOPS_BESIDE[1:]:
+        loop()
+
+
+def _draw_a_circle() -> None:
+    """Call what is compiled to draw a curve."""
+    t = np.linspace(0.0, 6.0, 100)
+    points = np.column_stack((np.cos(t), np.sin(t)))
+    kinks = np.zeros(len(t), dtype=bool)
+    bent_pieces(t, points, kinks, longest_side(points) / 1000)
+    painted_first(points, 0.01)
+    screen_path(points, kinks)
 
 
 def compile_catalogue(names: Iterable[str]) -> None:
@@ -50,4 +75,5 @@ def compile_catalogue(names: Iterable[str]) -> None:
 if __name__ == "__main__":
     if hasattr(os, "nice"):
         os.nice(LEAST_PRIORITY)
+    compile_loops()
     compile_catalogue(core.CATALOGUE)

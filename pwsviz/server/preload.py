@@ -16,7 +16,7 @@ from pwsviz.page.explorer import COVER, RESULTS
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import PortraitInputs
 from pwsviz.scene.first import first_scene
-from pwsviz.server.catalogue import declare_beside_once
+from pwsviz.server.catalogue import compile_beside_once, declare_beside_once
 
 
 def compute_first_scene() -> None:
@@ -38,7 +38,11 @@ meanwhile; with Python's default of 10 it came each 15 s, and what it freed was 
 
 
 def prepare() -> None:
-    """Compute the first scene, and keep what there is by then: the collector of garbage stops all to go through it."""
+    """Compute the first scene while another process compiles what it needs next, and keep what there is by then.
+
+    The collector of garbage stops all to go through it.
+    """
+    compile_beside_once()
     compute_first_scene()
     COVER.draw()
     declare_beside_once().join()
