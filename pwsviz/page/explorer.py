@@ -285,7 +285,10 @@ class Explorer(pn.viewable.Viewer):
         self.refresh()
 
     def _await_system(self, words: str) -> None:
-        self.view.await_system(as_text(words))
+        if self.portrait_panel.shown is None:
+            self.view.await_first(as_text(words))
+        else:
+            self.view.await_system(as_text(words))
 
     # Own system, link, export ----------------------------------------------------------------------------------------
 

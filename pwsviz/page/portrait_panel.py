@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from functools import partial
+from time import monotonic
 from typing import Any
 
 import panel as pn
 
+import core
+from core.interface import being_compiled
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.portrait_text import (
     SUMMARY,
@@ -55,11 +58,14 @@ BESIDE = 0.01
 """Seconds of quiet before field and surface are computed: any at all, so that they do not take turns with what waits
 for compilation."""
 
-FIRST_WAIT = "Computing the trajectory. An integrator new to this machine is compiled first: half a minute to one …"
-"""What is said meanwhile."""
+FIRST_WAIT = "Compiling {}, once on this machine: {} s so far."
+"""What is said while the first trajectory waits for compilation."""
 
-LONG_WAIT = 1500
-"""Milliseconds after that until it is said that the first trajectory has to wait for compilation."""
+LONGEST_WAIT = "It takes half a minute where nothing else is at work."
+"""What is added of what is not of one integrator: the loop that serves all of them."""
+
+LONG_WAIT = 1000
+"""Milliseconds until that is said, and between two words on it."""
 
 DEFECT = "The portrait could not be drawn, by a defect of this page ({!r}). Undo, or change a setting."
 """What is said where it is not that of the present scene, and no other will come."""
@@ -89,7 +95,7 @@ class PortraitPanel(pn.viewable.Viewer):
     scene, results, scheduler
         The settings, the source of arrays, and what runs the computations.
     on_wait : callable
-        Called with a text while the integrators of another system are compiled.
+        Called with a text while the integrators of the first, or of another, system are compiled.
     on_show : callable
         Called when other trajectories have been drawn.
     on_end : callable
@@ -136,6 +142,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.trouble = text_pane("")
         self.progress = bar_pane("the phase portrait", margin=0)
         self.shown: Pictures | None = None
+        self._begun = monotonic()
         self._warnings: tuple[Any, tuple[str, ...]] = (None, ())  # runs, and what is said against their steps
 
     def refresh(self) -> None:
@@ -190,9 +197,16 @@ class PortraitPanel(pn.viewable.Viewer):
         )
 
     def _explain_wait(self) -> None:
-        """Say why the first trajectory takes long: nothing has been compiled on this machine yet."""
-        if self.shown is None:
-            self.status.object = as_text(FIRST_WAIT)
+        """Say what is being compiled while the first trajectory waits for it."""
+        if self.shown is not None:
+            return
+        if what := being_compiled():
+            own = what in core.METHODS
+            name = f"{what} for {self.scene.declaration.name}" if own else what
+            words = FIRST_WAIT.format(name, round(monotonic() - self._begun))
+            self.status.object = as_text(words if own else f"{words} {LONGEST_WAIT}")
+            self._on_wait("This view comes with the first trajectory, whose integrators are being compiled.")
+        self.scheduler.call_later(LONG_WAIT, self._explain_wait, lambda: self.shown is None)
 
     def _show(self, outcome: Pictures | Exception) -> None:
         self.progress.visible = False

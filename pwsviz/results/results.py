@@ -210,6 +210,10 @@ class Results:
         """Return a run."""
         return self._get("run", inputs, cancel, lambda: self._timed_run(inputs, cancel))
 
+    def has_run(self, inputs: RunInputs) -> bool:
+        """Return whether a run is kept; nothing is computed."""
+        return self._cache.found("run", inputs) is not None
+
     def _timed_run(self, inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
         """Return a run; the first short one of a system and a method is made twice, as the first call is slow.
 

@@ -213,6 +213,11 @@ class Tab(pn.viewable.Viewer):
         if self.outcome is None and not self.words.object:
             self._say(as_text(_WAITING))
 
+    def await_first(self, words: str) -> None:
+        """Show these words if the view shows nothing yet."""
+        if self._waits():
+            self._say(words)
+
     def await_system(self, words: str) -> None:
         """Fade the figures, which belong to another system, and show these words."""
         self.shown = self.outcome = None

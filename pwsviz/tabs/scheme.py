@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import core
 from pwsviz.figures.scheme import SCHEME_STYLE, scheme_markup
 from pwsviz.results.requests import RunInputs, run_inputs
 from pwsviz.tabs.base import Tab
@@ -25,11 +26,9 @@ class SchemeTab(Tab):
 
     def compute(self, inputs: RunInputs, cancel: Cancel, report: Report) -> str:
         """Derive and typeset the scheme, and evaluate the constants along the run."""
-        scheme, run, diagnosis = inputs.scheme, self.results.run(inputs, cancel), self.results.diagnosis(inputs, cancel)
-        return scheme_markup(
-            inputs.problem.build(), scheme.method, diagnosis, run, locate=scheme.locate,
-            perturbation_order=scheme.perturbation_order, perturbation_scale=scheme.perturbation_scale,
-        )  # fmt: skip
+        if not self.results.has_run(inputs):  # compilation may take long, and no formula waits for it
+            report(0, 1, _markup(inputs, None, None))
+        return _markup(inputs, self.results.diagnosis(inputs, cancel), self.results.run(inputs, cancel))
 
     def build(self) -> list[Any]:
         """Make the choice of the integrator, and the pane of the mathematics."""
@@ -53,3 +52,11 @@ class SchemeTab(Tab):
         if isinstance(outcome, Exception):
             self.mathematics.object = ""
         super().present(inputs, outcome)
+
+
+def _markup(inputs: RunInputs, diagnosis: core.Diagnosis | None, run: core.Trajectory | None) -> str:
+    scheme = inputs.scheme
+    return scheme_markup(
+        inputs.problem.build(), scheme.method, diagnosis, run, locate=scheme.locate,
+        perturbation_order=scheme.perturbation_order, perturbation_scale=scheme.perturbation_scale,
+    )  # fmt: skip

@@ -1,11 +1,13 @@
 """The portrait of a page: its curves, what lies under them, its window, and the words below it."""
 
 from threading import Event
+from time import monotonic, sleep
 
 import numpy as np
 import pytest
 
 import core
+from core.interface import compiling
 from pwsviz.geometry.projection import shows_field, shows_surface
 from pwsviz.geometry.window import Window
 from pwsviz.page.explorer import Explorer
@@ -208,6 +210,58 @@ def test_while_the_first_integrators_are_compiled_the_portrait_shows_field_surfa
     assert page.settle(60)
     assert len(drawn.orbits.data["xs"]) == 2
     page.close()
+
+
+def test_what_is_being_compiled_for_the_first_trajectory_is_said_with_the_time_it_takes():
+    begun, compiled = Event(), Event()
+
+    class Compiling(Results):
+        def pictures(self, *given):
+            with compiling("the time loop"):
+                begun.set()
+                compiled.wait(60)
+            return super().pictures(*given)
+
+    page = Explorer(Scene(), Compiling())
+    panel = page.portrait_panel
+    begun.wait(60)
+    panel._explain_wait()  # as a page does that still waits after `LONG_WAIT`
+    assert "Compiling the time loop, once on this machine: 0 s so far." in panel.status.object
+    with compiling("rk2"):
+        compiled.set()
+        assert page.settle(60)
+    assert "Compiling" not in panel.status.object
+    page.close()
+
+
+def test_a_view_says_that_it_waits_for_what_is_compiled_but_keeps_formulas_that_need_nothing_compiled():
+    go = Event()
+
+    class Compiling(Results):
+        def run(self, *given):
+            go.wait(60)
+            return super().run(*given)
+
+    page = Explorer(Scene(view="scheme"), Compiling())
+    page._refresh_view()
+    wait_for(lambda: "The scheme: dmm2" in page.view.mathematics.object)
+    page._await_system("Compiling.")
+    assert "The scheme: dmm2" in page.view.mathematics.object
+    page.scene.view = "conserved"
+    page._refresh_view()
+    page._await_system("Compiling.")
+    assert "Compiling." in page.view.words.object
+    go.set()
+    assert page.settle(60)
+    assert "Compiling." not in page.view.words.object
+    page.close()
+
+
+def wait_for(condition):
+    deadline = monotonic() + 30
+    while not condition():
+        assert monotonic() < deadline
+        sleep(0.01)
 
 
 def test_the_picture_of_another_system_is_faded_at_once_and_gets_no_star_of_the_new_one(explorer):
