@@ -67,6 +67,10 @@ MEANINGS = {
 """What entries of the legend mean, for captions."""
 
 
+ADDITIONAL = ("f/|f|", "ψ = const.", OWN_LEVEL, ATTRACTS, REPELS)
+"""Entries of the legend that a first look can do without: on the page they are to be unfolded."""
+
+
 class Ground:
     """The glyphs of a backdrop in a figure, made once; `show` changes their data.
 
@@ -115,6 +119,7 @@ class Ground:
             ("ψ = const.", usual_keys), (OWN_LEVEL, own_keys),
             (ATTRACTS, [attracting, line]), (REPELS, [repelling, line]),
         ]  # fmt: skip
+        self.additional = sum(name in ADDITIONAL for name, _ in self.legend)  # they are the last ones
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
         self._marked = ColumnDataSource({"count": [0]})

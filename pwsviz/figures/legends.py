@@ -30,6 +30,47 @@ LEGEND_CSS = f"""
 """
 """Its entries, in small type, in as many rows as they need."""
 
+FOLD_CSS = """
+.bk-item.folded { display: none; }
+button { all: unset; cursor: pointer; pointer-events: auto; font: inherit; min-height: ROWpx; line-height: ROWpx;
+         padding: 3px 8px; margin: -3px -8px;
+         color: var(--mui-palette-primary-main, #1565c0); }
+button:focus-visible { outline: 2px solid; }
+""".replace("ROW", str(LEGEND_ROW))
+"""The entries that are folded, and the button that unfolds them."""
+
+FOLD = """
+const rest = new Set(own.model.items.slice(own.model.items.length - folding))
+const own_entries = () => own.entries.filter(({ item }) => item.visible && rest.has(item))
+const button = grid.button ??= document.createElement("button")
+const fold = () => {
+  const count = own_entries().length, folds = count >= FEWEST, open = button.ariaExpanded == "true"
+  for (const { el, item } of own.entries) { el.classList.toggle("folded", folds && !open && rest.has(item)) }
+  const words = open ? "fewer" : `${count} more`
+  if (button.textContent != words) { button.textContent = words }
+  button.ariaLabel = `${words} entries of the legend`
+  if (folds && grid.lastElementChild != button) { grid.append(button) } else if (!folds) { button.remove() }
+}
+if (button.onclick == null) {
+  button.type = "button"
+  button.ariaExpanded = "false"
+  button.onclick = () => {
+    button.ariaExpanded = String(button.ariaExpanded != "true")
+    fold()
+    own.request_paint()
+  }
+  for (const kind of ["pointerdown", "mousedown", "touchstart"]) {
+    button.addEventListener(kind, event => event.stopPropagation())  // no gesture of the figure
+  }
+  new MutationObserver(fold).observe(grid, { childList: true })
+  fold()
+}
+"""
+"""JavaScript that folds the last entries of a legend on the page, where there are some: a picture for print has all."""
+
+FEWEST = 2
+"""Fewest entries that are folded; a single one takes as much room as the button."""
+
 KEEP_PLACE = """
 const found = id => cb_context.index.query_one(view => view.model.id == id)
 const own = found(legend), grid = own?.grid_el, { el, frame } = found(plot) ?? {}
@@ -45,8 +86,9 @@ if (grid != null && el != null) {
     grid.watcher.observe(grid)
     new MutationObserver(() => own.request_paint()).observe(grid, { childList: true })
   }
+  if (folding > 0) { FOLD }
 }
-"""
+""".replace("FOLD", FOLD).replace("FEWEST", str(FEWEST))
 """JavaScript that gives a legend the width of its figure, and makes the figure as much taller as the legend is taller
 than usual, and has its entries painted when it makes them anew.
 
@@ -95,7 +137,9 @@ def mark_columns(markers: Sequence[str]) -> dict[str, Any]:
     return {"nowhere": [np.nan] * len(markers), "marker": list(markers)}
 
 
-def legend_below(plot: figure, entries: Sequence[tuple[Any, Any]], usual: int = 1) -> list[LegendItem]:
+def legend_below(
+    plot: figure, entries: Sequence[tuple[Any, Any]], usual: int = 1, folding: int = 0
+) -> list[LegendItem]:
     """Put a legend below the plot, where it covers nothing, and return its entries.
 
     Parameters
@@ -107,15 +151,22 @@ def legend_below(plot: figure, entries: Sequence[tuple[Any, Any]], usual: int = 
         renderer, several that are painted one over the other.
     usual : int
         Rows for which the figure has room: more of them make it taller, so that the plot itself keeps its place.
+    folding : int
+        How many of the last entries are seen on the page only once they are unfolded.
     """
     items = [LegendItem(label=label, renderers=one if isinstance(one, list) else [one]) for label, one in entries]
-    look: dict[str, Any] = {"orientation": "horizontal", "margin": 0, "padding": 4, "stylesheets": [LEGEND_CSS]}
+    look: dict[str, Any] = {
+        "orientation": "horizontal",
+        "margin": 0,
+        "padding": 4,
+        "stylesheets": [LEGEND_CSS, FOLD_CSS],
+    }
     size: dict[str, Any] = {"glyph_width": LEGEND_GLYPH, "glyph_height": LEGEND_ROW}
     legend = Legend(items=items, location="center", **size, **look)
     for name, pixels in size.items():  # the theme of the page would make glyphs so small that dashes look alike
         legend.js_on_change(name, CustomJS(code=f"cb_obj.{name} = {pixels}"))
     room = usual * LEGEND_ROW + (usual - 1) * LEGEND_GAP
-    keep = CustomJS(args={"plot": plot.id, "legend": legend.id, "usual": room}, code=KEEP_PLACE)
+    keep = CustomJS(args={"plot": plot.id, "legend": legend.id, "usual": room, "folding": folding}, code=KEEP_PLACE)
     for width in ("outer_width", "inner_width"):
         plot.js_on_change(width, CustomJS(code=MARKS_AS_DRAWN), keep)
     plot.add_layout(legend, "below")

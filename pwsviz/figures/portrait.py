@@ -249,6 +249,7 @@ class PortraitView:
                 *self.ground.legend,
             ],
             usual=2,
+            folding=self.ground.additional,
         )
         self._step_entry, self._reset_entry = entries[1], entries[5]
         self._step_entry.visible = self._reset_entry.visible = False
