@@ -7,6 +7,7 @@ from typing import Any
 
 from pwsviz.page.cover import COLUMNS, LEAST
 from pwsviz.widgets.browser import LOW, NARROW
+from pwsviz.widgets.more_tabs import MORE_TABS_SX
 from pwsviz.widgets.panes import PLAIN_SX
 
 __all__ = [
@@ -54,10 +55,9 @@ _TABS_SX = {
             "paddingX": "clamp(4px, calc(24px - 1rem), 8px)", "fontSize": "max(14px, min(0.775rem, 1.25cqi))",
         },  # the type of a lecture needs the room
     },
-    f"@media (width < {NARROW}px)": {  # titles fade where their row goes on
-        ".MuiTabs-scroller": {"maskImage": "linear-gradient(to left, transparent, black 24px)"},
-        # As wide as all of them, so that the last one can be scrolled out of the fade.
-        ".MuiTabs-list, .MuiTabs-flexContainer": {"width": "max-content", "paddingRight": "40px"},
+    **MORE_TABS_SX,
+    f"@media (width < {NARROW}px)": {
+        ".MuiTabs-list, .MuiTabs-flexContainer": {"width": "max-content"},
     },
     ".MuiTabs-indicator": {"display": "none"},  # the shadow is there from the first paint on
     ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},

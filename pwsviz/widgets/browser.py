@@ -10,6 +10,7 @@ import param
 from pwsviz.figures.colours import ON_DARK
 from pwsviz.widgets.dialog import KEEP_FOCUS
 from pwsviz.widgets.dropdown import CHOOSER
+from pwsviz.widgets.more_tabs import MORE_TABS
 from pwsviz.widgets.panes import FADED
 
 NARROW, LOW = 600, 480
@@ -309,6 +310,7 @@ export function render({ model }) {
   KEEP_FOCUS
   document.addEventListener("keydown", keep_focus, { capture: true })
   NAME_PANEL
+  MORE_TABS
   NAME_BUTTONS
   TELL_HEADER
   PAINT_WHOLE
@@ -336,6 +338,7 @@ export function render({ model }) {
         .replace("FIND", FIND)
         .replace("KEEP_FOCUS", KEEP_FOCUS)
         .replace("NAME_PANEL", NAME_PANEL)
+        .replace("MORE_TABS", MORE_TABS)
         .replace("NAME_BUTTONS", NAME_BUTTONS)
         .replace("TELL_HEADER", TELL_HEADER)
         .replace("PAINT_WHOLE", PAINT_WHOLE)

@@ -313,6 +313,41 @@ def test_no_entry_of_a_legend_is_cut_on_a_narrow_screen(visit, view, wanted):
     assert [one["label"] for one in page.evaluate(LEGENDS) if not one["inside"]] == []
 
 
+def test_on_a_phone_the_legend_of_the_portrait_has_two_rows_until_it_is_unfolded(phone):
+    shown = lambda: [one["label"] for one in phone.evaluate(LEGENDS)]  # noqa: E731
+    rest = ["f/|f|", "ψ = const.", "S attracts", "S repels"]
+    assert becomes(phone, lambda: "start" in shown() and not {*rest} & {*shown()}), shown()
+    assert phone.evaluate(KEYS)["legend"] <= 2 * 18 + 2
+    button = phone.get_by_role("button", name="more entries of the legend")
+    assert button.get_attribute("aria-expanded") == "false"
+    button.focus()
+    phone.keyboard.press("Enter")
+    assert becomes(phone, lambda: {*rest} <= {*shown()}), shown()
+    assert phone.evaluate(BLANK_KEYS) == []
+    phone.get_by_role("button", name="fewer entries of the legend").click()
+    assert becomes(phone, lambda: not {*rest} & {*shown()}), shown()
+
+
+def test_on_a_phone_a_button_shows_the_tabs_that_are_out_of_sight(phone):
+    last = phone.get_by_role("tab", name="Scheme")
+    in_sight = lambda: last.bounding_box()["x"] + last.bounding_box()["width"] <= 420 - 16  # noqa: E731
+    assert not in_sight()
+    for _ in range(3):
+        if phone.get_by_role("button", name="First views").count() == 0:
+            phone.get_by_role("button", name="More views").click()
+            phone.wait_for_timeout(800)  # it scrolls smoothly
+    assert becomes(phone, in_sight), last.bounding_box()
+    phone.get_by_role("button", name="First views").click()
+    phone.get_by_role("button", name="More views").wait_for()
+
+
+def test_where_all_tabs_are_in_sight_there_is_no_such_button(visit):
+    page = visit(1280, 720)
+    page.get_by_role("tab", name="Scheme").wait_for()
+    assert becomes(page, lambda: page.locator(".more-tabs").count() == 1)
+    assert not page.locator(".more-tabs").is_visible()
+
+
 ROOM = """() => [...Bokeh.index.query(view => view.model.type == "Legend")].filter(({el}) => el.offsetHeight > 0)
     .map(({el, layout}) => Math.round(layout.bbox.height) - el.offsetHeight)"""
 """By how many pixels the room of each legend that is shown is larger than the legend."""
