@@ -22,11 +22,14 @@ LABELS = 1.1
 REST = "calc(9.8rem + var(--header, 52px) - 52px)"
 """CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
-TOLD, TOLD_OF_RUNS = 0.5, 0.36
-"""Part of the height of the screen that a figure leaves free for what is told below it, at most; less the portrait."""
+TOLD, TOLD_OF_RUNS = 0.14, 0.36
+"""Part of the height of the screen that a figure leaves free for what is told below it, at most; less a view, of which
+the first words are in sight, and the others scroll: its figure comes first."""
 
 PLAYER = 40
-"""Height of the player in pixels, for which `REST` leaves room, too: the portrait stays as it is when that opens."""
+"""Height of the player in pixels, for which `REST` leaves room, too: the portrait stays as it is when that opens.
+
+A view has none, and takes that room."""
 
 LINES = 3.9
 """Part of that which `REST` leaves free in the unit of the type: three lines."""
@@ -127,9 +130,10 @@ export function render({ model }) {
     const lines = LINES * parseFloat(getComputedStyle(root).fontSize)
     for (const [panel, { above, below }] of found) {
       fitted.add(panel)
-      const of_runs = panel.classList.contains("portrait"), part = of_runs ? OF_RUNS : TOLD
-      const told = Math.min(below - (of_runs && model.plays ? PLAYER : 0), part * innerHeight)
-      panel.style.setProperty("--above", `${Math.round(above + Math.max(0, told - lines))}px`)
+      const of_runs = panel.classList.contains("portrait")
+      const [part, player] = of_runs ? [OF_RUNS, model.plays ? PLAYER : 0] : [TOLD, 0]
+      const told = Math.max(0, Math.min(below - player, part * innerHeight) - lines)
+      panel.style.setProperty("--above", `${Math.round(above + told - (of_runs ? 0 : PLAYER))}px`)
     }
   }
   const turn = on => {

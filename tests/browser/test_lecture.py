@@ -14,6 +14,12 @@ pytestmark = pytest.mark.browser
 
 SMALL = (1280, 720)
 
+VIEW = """() => {
+    const {frame, el} = [...Bokeh.index.query(one => one.model.type == "Figure" && one.el.checkVisibility())].at(-1)
+    return [frame.bbox.height, el.getBoundingClientRect().bottom]
+}"""
+"""Height of the frame of the figure beside the portrait, and where the figure ends on the screen."""
+
 
 @pytest.fixture
 def small_window(chromium, address):
@@ -43,6 +49,17 @@ def test_in_a_small_window_of_a_large_screen_the_portrait_has_nearly_half_the_he
     tops = [tab.bounding_box()["y"] for tab in page.get_by_role("tab").all()]
     assert max(tops) - min(tops) < 1, "titles of views keep to one row"
     assert page.evaluate("parseFloat(getComputedStyle(document.documentElement).fontSize)") > 18, "type is large"
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("query", ["v=2&system=chua&view=sweep", "v=2&system=kepler&view=stability"])
+def test_the_figure_of_a_view_has_nearly_half_the_height_however_much_is_told_below(small_window, query):
+    page = small_window(query)
+    assert becomes(page, lambda: page.evaluate(VIEW)[0] > 0.45 * SMALL[1]), page.evaluate(VIEW)
+    page.wait_for_timeout(3000)  # what is told comes with the results
+    height, bottom = page.evaluate(VIEW)
+    assert height > 0.45 * SMALL[1]
+    assert bottom < SMALL[1], "and is whole on the screen"
 
 
 @pytest.mark.deep
