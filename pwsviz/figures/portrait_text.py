@@ -107,10 +107,9 @@ def marks_text(pictures: Pictures) -> str:
     kinds = {kind for orbit in drawn for kind in orbit.kinds}
     if not kinds:
         return ""
-    of_all = " of all integrators" * (len(pictures.orbits) > 1)
-    if kinds == {"jump"}:
-        return f"Jumps{of_all} are marked at the state before each."
-    return " ".join(filter(None, [f"Crossings{of_all} are marked." * bool(of_all), JUMPS_MARKED * ("jump" in kinds)]))
+    what = "jumps" if kinds == {"jump"} else "crossings"  # the legend says of marks that some are left out
+    whose = f"The marks of {what} belong to all integrators." * (len(pictures.orbits) > 1)
+    return " ".join(filter(None, [whose, JUMPS_MARKED * ("jump" in kinds)]))
 
 
 def which_start(pictures: Pictures) -> str:

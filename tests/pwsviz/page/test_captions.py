@@ -35,6 +35,13 @@ def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbe
         assert told in explorer._pieces()[1].meaning
 
 
+def test_a_caption_does_not_say_that_all_crossings_are_marked_of_which_the_legend_says_some(explorer):
+    for methods, whose in ((["dmm2", "rk2"], 1), (["rk2"], 0)):
+        portrait, _ = told_of(explorer, methods=methods, view="state")
+        assert portrait.count("The marks of crossings belong to all integrators.") == whose
+        assert "are marked" not in portrait
+
+
 @pytest.mark.parametrize(
     ("system", "joined"),
     [("vibrating_table", True), ("bouncing_ball", False), ("henon_heiles", False), ("elliptic_curve", False)],
