@@ -16,7 +16,8 @@ const PASSES = 3  // layouts, each of which knows the one before: titles in line
 const RIM = 3  // pixels inside of a frame that are free of names
 const SPARE = 8  // pixels beside a text, where another may begin
 const LINE = 1.3  // height of a line of text, in heights of its letters
-const NAMED = 0.16  // most of the width of the picture that the names of levels take beside the frame
+const NAMED = 0.16  // most of the width of the picture that the names of levels take beside the frame; and in a column above a
+const NAMED_IN_COLUMN = 0.03  // caption that tells them
 
 const text = (name, size) => ({ [`${name}_text_font`]: face.family, [`${name}_text_font_size`]: `${size}px` })
 const letters_of = kind => ({
@@ -113,12 +114,12 @@ const names_levels = (axis, side) => axis.ticker?.type == "FixedTicker" && axis.
 
 // The levels of an axis that are seen, downwards, their names, and how they are labelled: by these in a line; else by what they
 // begin with, such as “eps” of “eps = 2⁻⁵²”; and by letters where one of these is too wide, too.
-const levels_of = (axis, { start, end }, width) => {
+const levels_of = (axis, { start, end }, width, captioned) => {
   const seen = [...axis.ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)
   const words = axis.formatter.doFormat(seen, { loc: 0 }).map(name => name.replaceAll("\n", " ").trim())
   const levels = seen.filter((_, k) => words[k] != ""), names = words.filter(name => name != "")
   const short = names.map(name => name.split(/ = |: /)[0]), letters = names.map((_, k) => String.fromCharCode(97 + k))
-  const fit = labels => labels.every(label => width_of(label, SMALL) <= NAMED * width)
+  const fit = labels => labels.every(label => width_of(label, SMALL) <= (captioned && width < NARROW ? NAMED_IN_COLUMN : NAMED) * width)
   return { levels, names, short, labels: [names, short].find(fit) ?? letters }
 }
 
@@ -126,7 +127,7 @@ const levels_of = (axis, { start, end }, width) => {
 // without which short names are not explained.
 export const explained_levels = ({ frame, model }, width, captioned) => {
   const meanings = model.right.filter(axis => names_levels(axis, "right")).flatMap(axis => {
-    const { names, short, labels } = levels_of(axis, frame.y_scale.source_range, width)
+    const { names, short, labels } = levels_of(axis, frame.y_scale.source_range, width, captioned)
     if (labels == names) return []
     if (labels == short) return captioned ? names.filter((name, k) => name != short[k]) : []
     return names.map((name, k) => `(${labels[k]}) ${name}`)
@@ -139,8 +140,8 @@ export const thinned = ({ model }) => model.below.filter(one => kind_of(one) == 
   .some(item => item.visible && item.get_labels_list_from_label_prop().some(label => label.endsWith("omitted)")))
 
 // Names of levels beside a plot, apart from one another.
-const named_levels = (axis, { scale }, width) => {
-  const { start, end } = scale.source_range, { levels, labels } = levels_of(axis, scale.source_range, width)
+const named_levels = (axis, { scale, captioned }, width) => {
+  const { start, end } = scale.source_range, { levels, labels } = levels_of(axis, scale.source_range, width, captioned)
   const letters = labels.every(label => label.length == 1), apart = labels.map(() => (letters ? 1 : LINE) * SMALL)  // closer
   const places = spread(levels.map(tick => scale.compute(tick)), apart, [end, start].map(one => scale.compute(one)))
   const moved = places.map(place => scale.invert(place))
@@ -362,9 +363,9 @@ const has_room_beside = ({ model, frame: { bbox } }, width, tallest, least) => {
 
 // Figures for a picture of a given width, together at most so tall where their frames have at least a height then: each as an SVG element with its size
 // and the height of its frame in pixels. Frames have one left edge and one right edge.
-export const drawn = async (views, width, { printed, shades }, tallest, least) => {
+export const drawn = async (views, width, { printed, shades, captioned }, tallest, least) => {
   const shape = Math.min(width < NARROW ? TALLER : SHAPE, SHAPES / views.length)
-  let seen = views.map(({ frame }) => ({ left: 0, right: RIM, around: 0, tall: shape * width, scale: frame.y_scale }))
+  let seen = views.map(({ frame }) => ({ left: 0, right: RIM, around: 0, tall: shape * width, scale: frame.y_scale, captioned }))
   const shape_of = (view, k) => {
     const around = seen.reduce((sum, one) => sum + one.around, 0)
     const most = Math.max(LOWEST, Math.max(least, tallest - around) / views.length), across = width - seen[k].left - seen[k].right
@@ -386,7 +387,7 @@ export const drawn = async (views, width, { printed, shades }, tallest, least) =
       }))
     }
     const most = side => Math.ceil(Math.max(...found.map(one => one[side])))
-    seen = found.map(one => ({ ...one, left: most("left"), right: most("right") }))
+    seen = found.map(one => ({ ...one, captioned, left: most("left"), right: most("right") }))
   }
   const pictures = []
   for (const [k, view] of views.entries()) {

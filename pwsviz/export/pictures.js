@@ -44,12 +44,13 @@ const below = lines => lines.length > 0 ? 2 * GAP + STEP * lines.length : GAP / 
 // Figures of a width in pixels, with the lines of the caption below them. The caption that was asked for is always there: where
 // it leaves the figures too little of the greatest height, the picture is higher.
 const fitted = async (views, wish, width) => {
-  const keys = views.map(view => explained_levels(view, width, wish.captions[wish.caption] != null))
+  const { printed, shades } = wish, captioned = wish.captions[wish.caption] != null
+  const keys = views.map(view => explained_levels(view, width, captioned))
   const [caption, ...last] = (wish.captions[wish.caption] ?? "").split("\n")
   const words = [caption, caption && views.some(thinned) ? THINNED : "", ...keys, ...last].filter(Boolean).join(" ")
   const lines = paragraph(words, width - 2 * GAP, SMALL), tallest = width / wish.millimetres * wish.tallest
   const least = Math.min(LEAST * width, PART * tallest)
-  return { lines, pictures: await drawn(views, width, wish, tallest - below(lines) - SLACK, least) }
+  return { lines, pictures: await drawn(views, width, { printed, shades, captioned }, tallest - below(lines) - SLACK, least) }
 }
 
 // Of the curves of runs, which alone have round joins, the dashed ones lie on the solid one painted before them: without

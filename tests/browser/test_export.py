@@ -330,11 +330,8 @@ PLACES = """svg => {
 """Where the texts of a picture are, and which of them are within the frame of a plot."""
 
 
-NAMED_LEVELS = {
-    "8 pt": ("Dotted: eps = 2⁻⁵²; floor: below range, or 0.", ["round-off", "eps", "floor"]),
-    "12 pt": ("Dotted: (a) round-off; (b) eps = 2⁻⁵²; (c) floor: below range, or 0.", ["a", "b", "c"]),
-}
-"""What is said of the levels of a figure of a column, and what stands beside them, by the size of the text."""
+NAMED_LEVELS = "Dotted: (a) round-off; (b) eps = 2⁻⁵²; (c) floor: below range, or 0."
+"""What is said of the levels of a figure of a column: beside them are letters, which leave the plot its width."""
 
 
 def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visit):
@@ -351,11 +348,11 @@ def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visi
                 assert left <= a <= b <= right, (points, text["words"])
                 assert top <= c <= d <= bottom, (points, text["words"])
             words = " ".join(text["words"] for text in texts)
-            assert (NAMED_LEVELS[points][0] in words) == (k == 1)
+            assert (NAMED_LEVELS in words) == (k == 1)
             alone = [text["words"] for text in texts]
             assert [name for name in (*"abc", "round-off", "eps", "floor") if name in alone] == (
-                NAMED_LEVELS[points][1] * (k == 1)
-            ), "names of levels are beside a narrow plot, and letters only where they would halve it"
+                ["a", "b", "c"] * (k == 1)
+            )
             for one, other in combinations(texts, 2):
                 across = min(one["box"][1], other["box"][1]) - max(one["box"][0], other["box"][0])
                 down = min(one["box"][3], other["box"][3]) - max(one["box"][2], other["box"][2])
