@@ -16,6 +16,7 @@ __all__ = ["name_slopes"]
 PLACE_NAMES = """
 const CLEAR = 14   // pixels around a name that are free enough
 const APART = 3    // pixels between two points of a line at which it is looked for near a name
+const RIM = 8      // pixels inside the frame that are free, so that no ground of a name lies over it in print
 const PLACES = 60  // along a line at which its name may stand
 const frame = size ?? cb_context.index?.query_one(view => view.model.id == plot)?.frame.bbox
 const [across, up] = ranges
@@ -47,7 +48,7 @@ const placeNames = () => {
       // Where a name ends, and how low: to the left of a rising line and above it, or to its right and below it.
       for (const [right, low] of [[x - 6, y], [x + 6 + long, y - high]]) {
         const box = [right - long, right, low, low + high]
-        if (box[0] < 2 || box[1] > frame.width - 2 || low < 2 || box[3] > frame.height - 2) { continue }
+        if (box[0] < RIM || box[1] > frame.width - RIM || low < RIM || box[3] > frame.height - RIM) { continue }
         const clear = Math.min(CLEAR, ...others.map(([a, b]) => away(box, a, b)))
         if (clear > most + 0.5) { most = clear; best = [right + 6, low, box] }
       }

@@ -106,6 +106,39 @@ def test_a_long_caption_is_a_paragraph_of_even_lines_and_leaves_the_portrait_its
     assert boxes["frame"]["right"] - boxes["frame"]["left"] > 0.8 * boxes["width"]
 
 
+GROUNDS = """markup => {
+    const svg = new DOMParser().parseFromString(markup, "image/svg+xml").documentElement
+    document.body.append(svg)
+    const clear = [...svg.querySelectorAll('path[fill-opacity="0.8"][clip-path]')].map(one => {
+        const clip = one.getAttribute("clip-path").slice(4, -1).replaceAll('"', "")
+        const frame = svg.querySelector(clip).firstElementChild
+        const [inner, outer] = [one, frame].map(part => part.getBBox())
+        return Math.min(inner.x - outer.x, inner.y - outer.y, outer.x + outer.width - inner.x - inner.width)
+    })
+    svg.remove()
+    return clear
+}"""
+"""Pixels between the ground of each name within a frame and that frame."""
+
+
+def test_the_name_of_a_slope_leaves_the_frame_as_it_is(visit):
+    page = visit(query="v=2&view=order")
+    page.get_by_text(re.compile("slope 2.00 before")).first.wait_for()
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_role("button", name="85 mm", exact=True).click()
+    clear = page.evaluate(GROUNDS, downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode())
+    assert clear
+    assert min(clear) >= 2, clear
+
+
+def test_levels_leave_a_plot_of_a_column_four_fifths_of_its_width(visit):
+    page = opened_for_a_column(visit)
+    svg = downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode()
+    boxes = page.evaluate(BOXES, svg)
+    assert boxes["frame"]["right"] - boxes["frame"]["left"] >= 68 / 85 * boxes["width"]
+
+
 def test_levels_have_their_names_without_a_caption(visit):
     page = opened_for_a_column(visit)
     page.get_by_role("button", name="no caption", exact=True).click()
