@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from core.integration.ahead import Ahead, what_is_ahead
 from core.integration.at_surface import AtSurface, at_surface
 from core.integration.corner import BEYOND
 from core.integration.failure import Growth, ends_beyond, ends_here, growth_of
@@ -34,6 +35,8 @@ _MARGIN = 0.1
 _UNLIKE = 1e3
 #: Part of a step ahead within which a law may cease to be defined, of a step that fails, and of ever shorter ones.
 _UNDEFINED_WITHIN = {Status.NO_CONVERGENCE: 1.0, Status.STEP_LIMIT: 2.0**-30}
+#: How runs end that what lies ahead may have ended, as do some that have escaped.
+_FAILS_AHEAD = (Status.NO_CONVERGENCE, Status.UNSTABLE, Status.GRAZING, Status.SINGULAR)
 #: How many times as many steps as were allowed are left where a higher limit does not help.
 _HIGHER = 100.0
 #: Steps ahead of a failed step within which the solution must run away to be the cause of the failure.
@@ -59,6 +62,8 @@ def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
     if runner.slides or runner.mode == NO_MODE:
         return runner.status, None
     system, here, step = runner.system, runner.x, _step_length(runner)
+    if what_is_ahead(system, runner.last, step) is Ahead.UNBOUNDED_FIELD:
+        return Status.SINGULAR, None
     name = system.laws.name(runner.mode)
     grown = runner.status is Status.ESCAPED or float(np.abs(here).max()) > GROWTH * size > 0.0
     if grown:
@@ -197,10 +202,12 @@ def reason(end: Ending) -> str:
             f"the solution seems to have a pole at about t = {end.cause.pole:.9g}, and the field varies ever faster on "
             "the way there, so that steps get shorter without end"
         )
+    if found := _ahead(end):
+        return found.reason
     if _moved_astray(end):
         return "a perturbed crossing has moved the state beyond another surface, or through a wall"
-    if found := _at_surface(end):
-        return found.reason
+    if found_there := _at_surface(end):
+        return found_there.reason
     if end.status is Status.EVENT:
         return f"the event {end.cause.event!r} took place, which ends the run"
     if _lacks_psi(end):
@@ -215,6 +222,8 @@ def reason(end: Ending) -> str:
 def _advice(end: Ending) -> str:
     """What to do; where a field is not defined ahead, to write it differently."""
     status, last, laws = end.status, end.last, end.system.laws
+    if found := _ahead(end):
+        return found.advice
     if _moved_astray(end):
         return f"Perturb crossing times by less than {abs(end.cause.shift):.3g}, or take a smaller tau."
     if end.cause.why_cornered == BEYOND.reason:
@@ -268,8 +277,8 @@ def _advice(end: Ending) -> str:
         return "End the run before it."
     if status is Status.ESCAPED and end.cause.growth is Growth.LARGE:
         return "The exact one grows, too, and no pole was found up to there: end the run before."
-    if found := _at_surface(end):
-        return found.advice
+    if found_there := _at_surface(end):
+        return found_there.advice
     if status is Status.SLIDING and laws.jumps:
         return "A system with a jump does not slide here: continue it with another system."
     if status in (Status.CORNER, Status.GRAZING) and end.slides:
@@ -337,6 +346,19 @@ def _zeros_of_noise(end: Ending) -> str:
     """The expressions near whose zeros the field of the mode loses its digits."""
     found = () if end.last.mode == NO_MODE else end.system.laws.mode(end.last.mode).zeros.noisy
     return " or ".join(map(to_text, found))
+
+
+def _ahead(end: Ending) -> Ahead | None:
+    """What is known of the step ahead that could not be made; None where another cause is known."""
+    fails = end.status in _FAILS_AHEAD or (end.status is Status.ESCAPED and end.cause.growth is None)
+    if (
+        not fails
+        or end.cause.singular
+        or math.isfinite(end.cause.pole)
+        or (end.slides and end.status is Status.GRAZING)
+    ):
+        return None
+    return what_is_ahead(end.system, end.last, end.cause.step)
 
 
 def _at_surface(end: Ending) -> AtSurface | None:
