@@ -1,5 +1,6 @@
 """The constants and step bounds of the paper's theory, computed along a run, to judge its step size."""
 
+from core.diagnostics.amplification import tells_of_growth
 from core.diagnostics.crossing_rates import constant_sign, rate_on_surface, ratio
 from core.diagnostics.diagnosis import Diagnosis, diagnose, step_warning
 from core.diagnostics.near_touches import times_of_near_touches
@@ -18,5 +19,6 @@ __all__ = [
     "start_warning",
     "starts_beyond_wall",
     "step_warning",
+    "tells_of_growth",
     "times_of_near_touches",
 ]

@@ -19,8 +19,10 @@ from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 
-__all__ = ["amplified"]
+__all__ = ["amplified", "tells_of_growth"]
 
+#: How a warning begins of errors that do not only add up.
+_GROW = "Small errors grow by a factor of "
 #: Error, relative to the range of a variable so far, that is told.
 _SPOILT = 0.1
 #: Error, relative to the same, from which on the range is no longer widened: the run's own error may do so.
@@ -59,14 +61,19 @@ def amplified(run: Trajectory) -> Iterator[str]:
     growth = _growth(run)
     if growth.spoilt is not None:
         yield (
-            f"Small errors {_told(growth.factor)} up to t = {growth.spoilt:.3g}, where those of rounding alone may "
+            f"{_told(growth.factor)} up to t = {growth.spoilt:.3g}, where those of rounding alone may "
             "reach a tenth of the range of the state: later states are not those of the exact solution, though "
             "averages and the set that the orbit fills may be"
         )
 
 
 def _told(factor: float) -> str:
-    return f"grow by a factor of {factor:.0e}" if factor > _SOME else "add up"
+    return f"{_GROW}{factor:.0e}" if factor > _SOME else "Small errors add up"
+
+
+def tells_of_growth(warning: str) -> bool:
+    """Whether a warning says that small errors of a motion grow, as in chaos, and nothing against its steps."""
+    return _GROW in warning
 
 
 @dataclass(frozen=True)

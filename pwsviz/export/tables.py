@@ -120,7 +120,8 @@ def sweep_tables(found: Diagram) -> Tables:
     Columns
     -------
     points: value, the coordinate by name (of an angle, without full turns);
-    values: value, points (how many), ended, doubt (“examined”, “in doubt”, or empty where a run is not examined).
+    values: value, points (how many), ended, doubt (“examined”, “small errors grow”, “in doubt”, or empty where a run is
+        not examined).
     """
 
     def points() -> Columns:
@@ -134,7 +135,8 @@ def sweep_tables(found: Diagram) -> Tables:
         ended = [_ended(*one) for one in zip(found.outcomes[there].tolist(), found.whole[there], strict=True)]
         value = found.values[there]
         examined = np.where(np.isin(value, found.examined), "examined", "")
-        doubt = np.where(np.isin(value, found.warned), "in doubt", examined)
+        growing = np.where(np.isin(value, found.sensitive), "small errors grow", examined)
+        doubt = np.where(np.isin(value, found.warned), "in doubt", growing)
         return {"value": value, "points": found.counts[there], "ended": np.array(ended), "doubt": doubt}
 
     return {"points": points, "values": values}

@@ -9,20 +9,20 @@ import numpy as np
 from bokeh.core.properties import value
 from bokeh.events import Event, PointEvent, Tap
 from bokeh.models import ColumnDataSource, CrosshairTool, DataRange1d
-from bokeh.models.glyphs import VSpan, VStrip
+from bokeh.models.glyphs import Scatter, VSpan, VStrip
 
-from pwsviz.figures.colours import AMBER, GREY, RULE, VERMILION
+from pwsviz.figures.colours import AMBER, CALM, GREY, RULE, VERMILION
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.point_cloud import PointCloud
 from pwsviz.figures.style import WITH_TABLE, assign, plain_figure, tips
 from pwsviz.figures.sweep_text import (
     SUMMARY,
     coordinate_name,
-    doubtful_stretches,
-    doubtful_words,
     ending,
+    of_examined,
     parameter_name,
     stretches,
+    stretches_of,
 )
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.window import Window
@@ -33,6 +33,9 @@ __all__ = ["SweepView"]
 
 MARGIN = 0.02
 """Margin beside the range of the parameter, relative to it."""
+
+CHOSEN = 4.5
+"""Diameter in pixels of a point of the chosen value."""
 
 NO_STRIP: dict[str, Any] = {"start": [np.nan], "end": [np.nan], "words": [""], "colour": [GREY], "values": [""]}
 """Columns of a strip without a place."""
@@ -66,9 +69,14 @@ class SweepView:
             self.early, VStrip(x0="start", x1="end", fill_color="colour", fill_alpha=0.15, line_width=0)
         )
         self.ends = ColumnDataSource({"x": [0.0, 1.0], "y": [0.0, 0.0]})
+        self.growing = ColumnDataSource({"start": [np.nan], "end": [np.nan]})
+        calm = VStrip(x0="start", x1="end", fill_color=CALM, fill_alpha=0.4, line_width=0)
+        growing = plot.add_glyph(self.growing, calm, level="underlay")
         self.cloud = PointCloud(plot, [GREY], on_window, self.ends)
         self.present = ColumnDataSource({"x": [0.0]})
         line = plot.add_glyph(self.present, VSpan(x="x", line_color=AMBER, line_width=1.5, line_dash=[6, 4]))
+        self.chosen = ColumnDataSource({"x": [], "y": []})
+        plot.add_glyph(self.chosen, Scatter(size=CHOSEN, fill_color=AMBER, line_color=None))
         plot.add_tools(
             tips([("", "@words"), ("", "@values")], renderers=[strips]),
             CrosshairTool(dimensions="height", line_color=RULE, line_alpha=1.0, visible=False),
@@ -78,9 +86,8 @@ class SweepView:
         between = VStrip(x0="start", x1="end", fill_color=VERMILION, fill_alpha=0.1, line_width=0)
         plot.add_glyph(self.doubtful, between, level="underlay")
         doubt = plot.add_glyph(self.warned, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[2, 4]))
-        self._present, self._early, self._doubt = legend_below(
-            plot, [("chosen value", line), ({"field": "words"}, strips), ("in doubt", doubt)]
-        )
+        entries = [("chosen value", line), ({"field": "words"}, strips), ("in doubt", doubt), ("errors grow", growing)]
+        self._present, self._early, self._doubt, self._growth = legend_below(plot, entries)
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def show(self, found: Diagram) -> None:
@@ -94,17 +101,30 @@ class SweepView:
         assign(self.early, **_strips(found))
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
         assign(self.warned, x=found.warned if len(found.warned) else [np.nan])
-        wide = [ends for ends in doubtful_stretches(found) if ends[0] < ends[1]] or [(np.nan, np.nan)]
-        assign(self.doubtful, start=[low for low, _ in wide], end=[high for _, high in wide])
+        doubtful = [ends for ends in stretches_of(found, found.warned) if ends[0] < ends[1]]
+        assign(self.doubtful, **_ends(doubtful))
         self._doubt.visible = bool(found.warnings)
-        self._doubt.label = value(f"in doubt: {doubtful_words(found)}")
+        self._doubt.label = value(f"in doubt: {of_examined(found, found.warned)}")
+        half = found.spacing / 2
+        growing = [(low - half, high + half) for low, high in stretches_of(found, found.sensitive)]
+        assign(self.growing, **_ends(growing))
+        self._growth.visible = bool(growing)
+        self._growth.label = value(f"small errors grow: {of_examined(found, found.sensitive)}")
 
-    def mark(self, present: float, name: str) -> None:
-        """Put the line at the current value of the parameter."""
+    def mark(self, present: float, name: str, chosen: Diagram | None = None) -> None:
+        """Put the line at the chosen value of the parameter, with the points of this value alone, if they are known."""
         assign(self.present, x=[present])
+        points = np.empty(0) if chosen is None else chosen.points_at(present)
+        assign(self.chosen, x=np.full(len(points), present), y=points)
         low, high = self.ends.data["x"]
         self._present.visible = bool(low <= present <= high)
         self._present.label = value(printed(f"chosen value, {name} = {present:.6g}"))
+
+
+def _ends(there: list[tuple[float, float]]) -> dict[str, list[float]]:
+    """Return the columns of strips, one of them without a place if there are none."""
+    there = there or [(np.nan, np.nan)]
+    return {"start": [low for low, _ in there], "end": [high for _, high in there]}
 
 
 def _strips(found: Diagram) -> dict[str, Any]:

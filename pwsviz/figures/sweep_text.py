@@ -26,13 +26,14 @@ from pwsviz.text.words import FEW, at_surface, listed, plural
 __all__ = [
     "SUMMARY",
     "coordinate_name",
-    "doubtful_stretches",
-    "doubtful_words",
     "ending",
     "examined_words",
+    "growth_words",
+    "of_examined",
     "parameter_name",
     "period_of",
     "stretches",
+    "stretches_of",
     "surface_words",
     "sweep_details",
     "sweep_how",
@@ -43,6 +44,12 @@ __all__ = [
 
 SUMMARY = "Bifurcation diagram: points that runs leave on a surface, against a parameter"
 """What the figure shows, for screen readers."""
+
+GROWTH = (
+    "Where small errors grow, as in chaos, single points are not those of the exact solution, but the set that they "
+    "fill may be."
+)
+"""What the points mean there."""
 
 TOO_FEW = Outcome("fewer points than requested", GREY)
 """Of a run that reaches the end time before it has all its points."""
@@ -71,31 +78,44 @@ def coordinate_name(inputs: SweepInputs) -> str:
     return coordinate_label(inputs.problem.declaration, inputs.column)
 
 
-def doubtful_words(found: Diagram) -> str:
-    """Return how many of the runs examined are in doubt."""
-    return f"{len(found.warned):,} of {plural(len(found.examined), 'run')} examined"
+def of_examined(found: Diagram, some: Floats) -> str:
+    """Return how many of the runs examined are those at some values."""
+    return f"{len(some):,} of {plural(len(found.examined), 'run')} examined"
+
+
+def growth_words(found: Diagram) -> str:
+    """Return what the points mean where small errors grow; empty where they do not in any run examined."""
+    return GROWTH * bool(len(found.sensitive))
 
 
 def examined_words(found: Diagram) -> str:
-    """Return which runs are examined, and which of them are in doubt; empty where none are examined."""
+    """Return which runs are examined, in which small errors grow, and which are in doubt; empty where none are."""
     if not len(found.examined):
         return ""
     which = "those whose rates of change differ most from step to step, and others all over the range"
     words = f"Of the {plural(int(found.done.sum()), 'run')}, {len(found.examined):,} were examined for errors: {which}"
-    if not len(found.warned):
+    if not len(found.warned) and not len(found.sensitive):
         return f"{words}. No sign of an error was found in them."
+    words += f", more of them beside those {'in doubt' if len(found.warned) else 'in which small errors grow'}."
+    if len(found.warned):
+        at = _at(found, found.warned)
+        words += f" Dotted lines mark these, shaded in between: all that were examined {at}."
+    if len(found.sensitive):
+        words += f" Small errors grow in all that were examined {_at(found, found.sensitive)}."
+    return words
+
+
+def _at(found: Diagram, some: Floats) -> str:
+    """Return in words the stretches in which all runs examined are those at some values."""
     name = parameter_name(found.inputs)
-    parts = [" to ".join(f"{end:.6g}" for end in dict.fromkeys(ends)) for ends in doubtful_stretches(found)]
-    at = f"at {name} = {listed(parts)}" if len(parts) <= FEW else f"in {len(parts)} stretches of {name}"
-    marked = f"Dotted lines mark these, shaded in between: all that were examined {at}"
-    return f"{words}, more of them beside those in doubt. {marked}."
+    parts = [" to ".join(f"{end:.6g}" for end in dict.fromkeys(ends)) for ends in stretches_of(found, some)]
+    return f"at {name} = {listed(parts)}" if len(parts) <= FEW else f"in {len(parts)} stretches of {name}"
 
 
-def doubtful_stretches(found: Diagram) -> list[tuple[float, float]]:
-    """Return the first and the last value of each stretch in which all runs examined are in doubt."""
-    doubtful = np.isin(found.examined, found.warned)
-    parts = np.split(found.examined, np.flatnonzero(np.diff(doubtful)) + 1)
-    return [(float(part[0]), float(part[-1])) for part in parts if len(part) and part[0] in found.warned]
+def stretches_of(found: Diagram, some: Floats) -> list[tuple[float, float]]:
+    """Return the first and the last value of each stretch in which all runs examined are those at some values."""
+    parts = np.split(found.examined, np.flatnonzero(np.diff(np.isin(found.examined, some))) + 1)
+    return [(float(part[0]), float(part[-1])) for part in parts if len(part) and part[0] in some]
 
 
 def ending(code: int) -> Outcome:
@@ -140,9 +160,19 @@ def approached(points: Floats, turn: float = math.inf) -> int:
     return 0
 
 
-def sweep_text(found: Diagram, present: float) -> str:
-    """Return in words what the diagram shows at the current value of the parameter, and why it may show little."""
-    return " ".join(filter(None, (_at_present(found, present), _nothing_left(found), _refusal(found))))
+def sweep_text(found: Diagram, present: float, chosen: Diagram | None = None) -> str:
+    """Return in words what the diagram shows at the chosen value of the parameter, and why it may show little.
+
+    Parameters
+    ----------
+    found
+        The diagram.
+    present
+        The chosen value.
+    chosen
+        The points of that value alone, if they are computed.
+    """
+    return " ".join(filter(None, (_at_present(found, present, chosen), _nothing_left(found), _refusal(found))))
 
 
 def sweep_prospects(found: Diagram, shown: str) -> str:
@@ -171,23 +201,33 @@ def sweep_details(found: Diagram) -> str:
     return f"{words} {examined_words(found)}".strip()
 
 
-def _at_present(found: Diagram, present: float) -> str:
-    """Say whether the points at the value nearest to the present one repeat."""
+def _at_present(found: Diagram, present: float, chosen: Diagram | None) -> str:
+    """Say whether the points at the chosen value repeat, or where there are none of it, at the nearest one."""
+    name = parameter_name(found.inputs)
+    if chosen is not None and chosen.whole.all():
+        return _repeats(found, chosen, present, f"At {name} = {present:.6g}")
     there = np.flatnonzero(found.whole)
     if not len(there) or not found.values[0] <= present <= found.values[-1]:
         return ""
     nearest = found.values[there[np.abs(found.values[there] - present).argmin()]]
     if abs(nearest - present) > found.spacing:
         return ""
+    beside = ", nearest to the chosen value," * bool(nearest != present)
+    return _repeats(found, found, float(nearest), f"At {name} = {nearest:.6g}{beside}")
+
+
+def _repeats(found: Diagram, among: Diagram, value: float, at: str) -> str:
+    """Say whether the points at a value repeat, which are `among` others, beside the height of all that are found."""
     spread = [(part.y.min(), part.y.max()) for part in found.portions if len(part.y)]
     height = max(high for _, high in spread) - min(low for low, _ in spread) or 1.0
-    points = found.points_at(float(nearest))
+    points = among.points_at(value)
     inputs = found.inputs
-    at = f"At {parameter_name(inputs)} = {nearest:.6g}, nearest to the chosen value,"
     if len(points) < 2:
         return ""
-    if len(doubt := found.doubtful_beside(float(nearest))):
-        values = listed([f"{value:.6g}" for value in doubt])
+    if value in among.warned:
+        return f"{at} no period is stated: the run is in doubt."
+    if len(doubt := among.doubtful_beside(value)):
+        values = listed([f"{one:.6g}" for one in doubt])
         return f"{at} no period is stated: the nearest runs examined, at {values}, are in doubt."
     turn = TURN if inputs.column in angles(inputs.problem.declaration) else math.inf
     if (period := period_of(points, height, turn, found.round_off)) == 1:
@@ -204,6 +244,8 @@ def _at_present(found: Diagram, present: float) -> str:
     if period := approached(points, turn):
         return f"{at} the points still approach {'a limit' if period == 1 else f'a cycle of {period}'}."
     least = min(LONGEST_PERIOD, len(points) // 2)
+    if among.is_sensitive(value):
+        return f"{at} no period up to {least} was found, and small errors grow: the motion may be chaotic."
     cause = "the transient or the period may be longer, or the motion quasi-periodic or chaotic"
     return f"{at} no period up to {least} was found: {cause}."
 

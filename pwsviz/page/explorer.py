@@ -200,7 +200,9 @@ class Explorer(pn.viewable.Viewer):
         if wanted == view.shown:
             self.scheduler.cancel("view")
             self.scheduler.forget("view")
+            self._add_further(view)
             return
+        self.scheduler.cancel("further")
         system = self.scene.declaration
         show, advance = partial(self._show, view, system, wanted), partial(self._advance, view, system, wanted)
         view.expect(system)
@@ -250,6 +252,21 @@ class Explorer(pn.viewable.Viewer):
             first = view.said.partition(". ")[0].rstrip(".")
             self._tell(printed(f"finished.{f' {first}.' * bool(first)}"))
         self._refresh_export()
+        self._add_further(view)
+
+    def _add_further(self, view: Tab) -> None:
+        """Submit what a view computes once its result is drawn."""
+        wanted = view.further_inputs()
+        if wanted is None:
+            self.scheduler.cancel("further")
+            self.scheduler.forget("further")
+            return
+
+        def show(outcome: Any) -> None:
+            if view is self.view and view.further_inputs() == wanted and not isinstance(outcome, Exception):
+                view.add_further(outcome)
+
+        self.scheduler.submit("further", wanted, partial(view.compute_further, wanted), show, quiet=view.quiet)
 
     def _end_portrait(self, words: str) -> None:
         """Tell the browser that what has been chosen is shown, and screen readers how the runs ended."""

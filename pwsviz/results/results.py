@@ -137,7 +137,8 @@ class Results:
     computed : Counter
         How often each kind of result was computed, not found in the cache: ``"run"``, ``"orbit"``, ``"frames"``,
         ``"landmarks"``, ``"states"``, ``"error"``, ``"curve"``, ``"summary"``, ``"backdrop"``, ``"diagnosis"``,
-        ``"warning"``, ``"study"``, ``"cost"``, ``"stability"``, ``"limits"``, ``"section"``, ``"sweep"``, ``"plane"``.
+        ``"warning"``, ``"study"``, ``"cost"``, ``"stability"``, ``"limits"``, ``"section"``, ``"sweep"``,
+        ``"swept value"``, ``"plane"``.
     """
 
     def __init__(self, max_bytes: int = 256_000_000) -> None:
@@ -359,8 +360,9 @@ class Results:
         return self._in_turn(kind, inputs, cancel, lambda: studied_stability(inputs, self._pool, cancel, report))
 
     def sweep(self, inputs: SweepInputs, cancel: Cancel = never, report: Report = silent) -> Diagram:
-        """Return a bifurcation diagram."""
-        return self._in_turn("sweep", inputs, cancel, lambda: swept(inputs, self._pool, cancel, report))
+        """Return a bifurcation diagram, or the points of one value of its parameter."""
+        kind = "sweep" if inputs.values > 1 else "swept value"
+        return self._in_turn(kind, inputs, cancel, lambda: swept(inputs, self._pool, cancel, report))
 
     def section(self, inputs: SectionInputs, cancel: Cancel = never, report: Report = silent) -> SectionPoints:
         """Return the points of a Poincaré section."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 import core
 from core import Status
+from core.diagnostics import tells_of_growth
 from pwsviz.geometry.point_counts import Portion
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_plane import in_first_turn
@@ -28,7 +29,8 @@ from pwsviz.text.advice import on_page
 from pwsviz.text.words import listed_or_counted
 
 __all__ = [
-    "NO_CROSSING", "NO_START", "Diagram", "coarse_to_fine", "sweep_arguments", "swept", "swept_values", "with_discard",
+    "NO_CROSSING", "NO_START", "Diagram", "coarse_to_fine", "of_one_value", "sweep_arguments", "swept",
+    "swept_values", "with_discard",
 ]  # fmt: skip
 
 NO_START = -1
@@ -90,11 +92,15 @@ class Diagram:
     sparse: bool = False
     """Whether nothing is discarded because most runs are all transient."""
     warnings: tuple[str, ...] = ()
-    """What is said against the runs in doubt, once all are done: of those that differ in numbers alone, the first."""
+    """What is said of the runs in doubt, once all are done: of those that differ in numbers alone, the first."""
     examined: Floats = field(default_factory=lambda: np.empty(0))
     """Values whose runs are examined for that, in increasing order."""
     warned: Floats = field(default_factory=lambda: np.empty(0))
-    """Those of them against whose runs something is said."""
+    """Those of them whose runs are in doubt."""
+    sensitive: Floats = field(default_factory=lambda: np.empty(0))
+    """Those of them of whose runs no more is said than that small errors grow, as in chaos.
+
+    Their points are not those of the exact solution, but it may leave others in the same places."""
 
     @property
     def done(self) -> NDArray[np.bool_]:
@@ -118,10 +124,17 @@ class Diagram:
         return ROUND_OFF * float(max([*map(abs, self.inputs.problem.x0), *points]))
 
     def doubtful_beside(self, value: float) -> Floats:
-        """Return those of the values examined next to one, on either side, against whose runs something is said."""
+        """Return those of the values examined next to one, on either side, whose runs are in doubt."""
+        return self._beside(value, self.warned)
+
+    def is_sensitive(self, value: float) -> bool:
+        """Whether small errors grow in the run at a value, or in those examined next to it on both sides."""
+        return value in self.sensitive or len(self._beside(value, self.sensitive)) == 2
+
+    def _beside(self, value: float, some: Floats) -> Floats:
         after = int(np.searchsorted(self.examined, value))
         beside = self.examined[max(after - 1, 0) : after + 1]
-        return beside[np.isin(beside, self.warned)]
+        return beside[np.isin(beside, some)]
 
     def points_at(self, value: float) -> Floats:
         """Return (n,) the coordinate at the points of one of the values, in the order of time."""
@@ -132,6 +145,11 @@ class Diagram:
         x, y = (np.concatenate([np.empty(0), *(part[k] for part in self.portions)]) for k in (0, 1))
         order = np.argsort(x, kind="stable")
         return x[order], y[order]
+
+
+def of_one_value(inputs: SweepInputs, value: float) -> SweepInputs:
+    """Return inputs whose diagram has the points of one value of the parameter alone."""
+    return replace(inputs, low=value, high=value, values=1)
 
 
 def swept_values(inputs: SweepInputs) -> Floats:
@@ -281,8 +299,9 @@ class _Runs:
             if self._cancel():
                 raise Cancelled
             runs = self._beside_doubt(told)[: most - len(told)]
-        warned = [value for value, words in told.items() if words]
-        found = replace(found, examined=np.unique([*told]), warned=np.unique(warned))
+        sensitive = [value for value, words in told.items() if tells_of_growth(words)]
+        warned = [value for value, words in told.items() if words and value not in sensitive]
+        found = replace(found, examined=np.unique([*told]), warned=np.unique(warned), sensitive=np.unique(sensitive))
         kinds: dict[str, dict[float, str]] = {}  # by the words without their numbers
         for value in warned:
             words = told[value]

@@ -86,6 +86,17 @@ class Tab(pn.viewable.Viewer):
         """Compute the arrays that are drawn; runs in a thread."""
         raise NotImplementedError
 
+    def further_inputs(self) -> Hashable | None:
+        """Return what is still to be computed for a whole result that is drawn; None if there is nothing."""
+        return None
+
+    def compute_further(self, inputs: Any, cancel: Cancel, report: Report) -> Outcome:
+        """Compute that; runs in a thread."""
+        raise NotImplementedError
+
+    def add_further(self, outcome: Outcome) -> None:
+        """Draw that, too."""
+
     def build(self) -> list[Any]:
         """Make figures and controls."""
         raise NotImplementedError

@@ -17,6 +17,7 @@ from pwsviz.export.tables import sweep_tables
 from pwsviz.figures.sweep import SweepView
 from pwsviz.figures.sweep_text import (
     examined_words,
+    growth_words,
     parameter_name,
     sweep_details,
     sweep_how,
@@ -26,7 +27,7 @@ from pwsviz.figures.sweep_text import (
 )
 from pwsviz.geometry.window import Window
 from pwsviz.results.requests import SweepInputs
-from pwsviz.results.sweeps import Diagram
+from pwsviz.results.sweeps import Diagram, of_one_value
 from pwsviz.scene.presets import shown_example
 from pwsviz.scene.sweeping import swept_parameter, swept_range
 from pwsviz.tabs.base import LongTab, about_crossings
@@ -49,6 +50,7 @@ class SweepTab(LongTab):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.view: SweepView | None = None
+        self._chosen: Diagram | None = None  # of one value
 
     def inputs(self) -> SweepInputs:
         """Return one integrator, one parameter and one section."""
@@ -57,6 +59,31 @@ class SweepTab(LongTab):
     def compute(self, inputs: SweepInputs, cancel: Cancel, report: Report) -> Diagram:
         """Compute the diagram, coarse to fine."""
         return self.results.sweep(inputs, cancel, report)
+
+    def further_inputs(self) -> SweepInputs | None:
+        """Return the chosen value, once the diagram is there and if it is none of its values.
+
+        A continuation has no points between its values: each run begins where that of the value before has ended.
+        """
+        found = self.outcome if self.shown == self.inputs() else None
+        value = None if found is None else self.scene.values.get(found.inputs.parameter)
+        if found is None or value is None or found.inputs.continuation != "none" or value in found.values:
+            return None
+        return of_one_value(found.inputs, value) if found.inputs.low < value < found.inputs.high else None
+
+    def compute_further(self, inputs: SweepInputs, cancel: Cancel, report: Report) -> Diagram:
+        """Compute the points of the chosen value."""
+        return self.results.sweep(inputs, cancel, report)
+
+    def add_further(self, outcome: Diagram) -> None:
+        """Draw the points of the chosen value."""
+        self._chosen = outcome
+        self.redraw()
+
+    def _chosen_of(self, outcome: Diagram, value: float) -> Diagram | None:
+        """Return the points of the chosen value, if they have been computed for a diagram."""
+        known = self._chosen is not None and self._chosen.inputs == of_one_value(outcome.inputs, value)
+        return self._chosen if known else None
 
     def build(self) -> list[Any]:
         """Make the controls and the plot."""
@@ -80,14 +107,15 @@ class SweepTab(LongTab):
         present = self.scene.values.get(outcome.inputs.parameter, math.nan)  # where another system has just been chosen
         self.view.show(outcome)
         self.controls.tell_discarded(outcome.inputs.discard)
-        self.view.mark(present, parameter_name(outcome.inputs))
+        chosen = self._chosen_of(outcome, present)
+        self.view.mark(present, parameter_name(outcome.inputs), chosen)
         self._place.visible = bool(outcome.counts.any())
-        return sweep_text(outcome, present)
+        return sweep_text(outcome, present, chosen)
 
     def remark(self, outcome: Diagram) -> str:
         """Return what may be expected of the points, and what the runs do at crossings if that is unusual."""
         hope = sweep_prospects(outcome, shown_example(self.scene))
-        return f"{hope} {about_crossings(self.scene, locates=True)}".strip()
+        return " ".join(filter(None, (growth_words(outcome), hope, about_crossings(self.scene, locates=True))))
 
     def details(self, outcome: Diagram) -> str:
         """Return what is plotted, and which runs were examined."""
@@ -98,8 +126,10 @@ class SweepTab(LongTab):
         return outcome.warnings
 
     def meaning(self, outcome: Diagram) -> str:
-        """Return which runs are in doubt, for captions."""
-        return " ".join([examined_words(outcome), *map(without_advice, outcome.warnings)] * bool(outcome.warnings))
+        """Return which runs are in doubt, and what the points of others mean, for captions."""
+        growth = growth_words(outcome)
+        said = [examined_words(outcome), *map(without_advice, outcome.warnings), growth]
+        return " ".join(filter(None, said * bool(outcome.warnings or growth)))
 
     def pictures(self) -> list[figure]:
         """Return the diagram, if there is one, painted finely enough for print."""

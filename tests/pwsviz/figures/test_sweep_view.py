@@ -72,6 +72,27 @@ def test_the_values_that_a_warning_is_about_are_marked():
     assert not view._doubt.visible, "the legend names no line that is not there"
 
 
+def test_values_at_which_small_errors_grow_have_a_shade_of_their_own():
+    view = SweepView(print, print)
+    view.show(replace(MIXED, examined=EXAMINED, sensitive=EXAMINED[:1]))
+    assert (view.growing.data["start"], view.growing.data["end"]) == ([-1.5], [-0.5]), "as wide as the value"
+    assert view._growth.visible
+    assert not view._doubt.visible
+    assert view._growth.label.value == "small errors grow: 1 of 2 runs examined"
+    view.show(MIXED)
+    assert not view._growth.visible, "the legend names no shade that is not there"
+
+
+def test_the_chosen_value_has_points_of_its_own_on_its_line():
+    view = SweepView(print, print)
+    view.show(MIXED)
+    alone = replace(MIXED, portions=(Portion(np.full(2, -2.5), np.array([1.0, 3.0]), 0),))
+    view.mark(-2.5, "a₋", alone)
+    assert (list(view.chosen.data["x"]), list(view.chosen.data["y"])) == ([-2.5, -2.5], [1.0, 3.0])
+    view.mark(-2.4, "a₋", None)
+    assert not len(view.chosen.data["x"])
+
+
 def test_strips_mark_the_values_whose_runs_end_early_and_are_never_empty():
     view = SweepView(print, print)
     view.show(MIXED)

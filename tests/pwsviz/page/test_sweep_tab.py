@@ -40,10 +40,24 @@ def test_a_click_sets_the_parameter_and_computes_no_diagram(page):
     page.settle(60)
     assert page.scene.values["belt"] == 1.235, "rounded to what the picture resolves"
     assert tab.view.present.data["x"] == [1.235]
-    assert "At w = " in tab.words.object
+    assert "At w = 1.235 all points are" in tab.words.object, "the points of this value, which is none of the diagram's"
+    assert set(tab.view.chosen.data["x"]) == {1.235}
     assert page.results.computed["sweep"] == before
     tab._go(-5.0)
     assert page.scene.values["belt"] == 0.05, "the nearest that the parameter may have"
+
+
+def test_a_value_of_the_diagram_or_of_a_continuation_is_not_computed_again(page):
+    before = page.results.computed["swept value"]
+    page.scene.accept("values.belt", float(page.view.outcome.values[7]))
+    assert page.settle(60)
+    page.scene.accept("sweep_continuation", "up")
+    page.scene.accept("values.belt", 1.21)
+    assert page.settle(60)
+    assert "nearest to the chosen value" in page.view.words.object
+    assert (page.results.computed["swept value"], len(page.view.view.chosen.data["x"])) == (before, 0)
+    page.scene.accept("sweep_continuation", "none")
+    assert page.settle(60)
 
 
 def test_a_caption_gives_no_one_value_to_the_parameter_that_is_swept(page):

@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 import core
 from core import Status
+from pwsviz.export.tables import sweep_tables
 from pwsviz.figures.sweep_text import examined_words, period_of, sweep_details, sweep_numbers, sweep_text
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.results import Results
@@ -16,6 +17,7 @@ from pwsviz.results.sweeps import (
     NO_CROSSING,
     NO_START,
     coarse_to_fine,
+    of_one_value,
     sweep_arguments,
     swept,
     swept_values,
@@ -261,6 +263,30 @@ def test_a_stretch_in_which_orbits_touch_the_surface_is_marked_and_no_period_is_
     first, last = np.searchsorted(found.values, [found.warned.min(), found.warned.max()])
     assert np.isin(found.values[[first - 1, last + 1]], found.examined).all(), "so that where the stretch ends is known"
     assert f"at r = {found.warned.min():.6g} to {found.warned.max():.6g}." in examined_words(found)
-    words = sweep_text(found, 1.5)
-    assert "no period is stated: the nearest runs examined, at r" in words.replace("examined, at ", "examined, at r")
-    assert "have period" not in words
+    assert sweep_text(found, 1.5) == "At r = 1.5 no period is stated: the run is in doubt."
+    between = next(value for value in found.values if 1.46 < value < 1.54 and value not in found.examined)
+    assert "no period is stated: the nearest runs examined, at 1." in sweep_text(found, between)
+
+
+def test_chaos_is_not_in_doubt_but_said_to_let_small_errors_grow():
+    """Of Chua’s circuit: a limit cycle at α = 8.1, a strange attractor at 8.7."""
+    scene = Scene()
+    scene.load(PRESETS["chua_sweep"].settings)
+    for name, value in {"sweep_range": (8.1, 8.7), "sweep_values": 3, "sweep_points": 40}.items():
+        scene.accept(name, value)
+    found = diagram(scene)
+    assert (found.sensitive.tolist(), len(found.warned), found.warnings) == ([8.7], 0, ())
+    assert "Small errors grow in all that were examined at α = 8.7." in examined_words(found)
+    assert "no period up to 20 was found, and small errors grow" in sweep_text(found, 8.7)
+    assert "grow" not in sweep_text(found, 8.1)
+    _, values = sweep_tables(found).values()
+    assert values()["doubt"].tolist() == ["examined", "examined", "small errors grow"]
+
+
+def test_the_points_of_one_value_are_those_that_it_has_in_a_diagram():
+    found = diagram(scene_of(DRIVEN, sweep_values=3, sweep_discard=50, sweep_points=5))
+    value = float(found.values[1])
+    with ThreadPoolExecutor(1) as pool:
+        alone = swept(of_one_value(found.inputs, value), pool, lambda: False, lambda *_: None)
+    assert alone.values.tolist() == [value]
+    assert alone.points_at(value) == pytest.approx(found.points_at(value), abs=1e-12)
