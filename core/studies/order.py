@@ -68,7 +68,8 @@ class OrderStudy:
     crossings: tuple[int, ...]
     """(k,) numbers of the crossings compared, from 1."""
     times: Floats
-    """(1 + k,) times at which states are compared: halfway to the first crossing, and halfway from each to the next."""
+    """(1 + k,) times at which states are compared: halfway to the first crossing, and halfway from each to the next, or
+    at `until` in place of the last of these."""
     time_error: Floats
     """(k, m) |t* − t̂| of these crossings; nan where a run did not reach them."""
     state_error: Floats
@@ -90,7 +91,9 @@ class OrderStudy:
     size: float = math.nan
     """Largest coordinate of the states compared."""
     spacing: float = math.nan
-    """Mean time between crossings, up to the last one compared."""
+    """Mean time between crossings, up to the last one compared; without any, the time until the state is compared."""
+    until: float | None = None
+    """Time at which the last state is compared, where it was given."""
 
     @property
     def fit_above(self) -> Floats:
@@ -123,10 +126,10 @@ class OrderStudy:
         return FIT_BELOW * self.spacing
 
     def __repr__(self) -> str:
-        slopes = ", ".join(f"{slope:.2f}" for slope in self.state_slope)
+        slopes, numbers = ", ".join(f"{slope:.2f}" for slope in self.state_slope), ", ".join(map(str, self.crossings))
         return (
             f"<OrderStudy of {self.method}: {len(self.taus)} step sizes {self.taus.min():g} … {self.taus.max():g}, "
-            f"crossings {', '.join(map(str, self.crossings))}; slopes of the state {slopes}>"
+            f"crossings {numbers or 'none'}; slopes of the state {slopes}>"
         )
 
 
@@ -143,6 +146,7 @@ def order_study(
     cancel: Cancel | None = None,
     progress: Progress | None = None,
     sliding: str = "stop",
+    until: float | None = None,
 ) -> OrderStudy:
     """Measure the order of a method before the first crossing and after later ones.
 
@@ -154,7 +158,10 @@ def order_study(
     taus
         Step sizes, 2 to 64 of them.
     crossings
-        Numbers of the crossings to compare, increasing, from 1.
+        Numbers of the crossings to compare, increasing, from 1; none of them, (), if there is none until `until`.
+    until
+        Time at which to compare states after the last of the crossings, for solutions that have no further one. If not
+        given, it is halfway to the next.
     system, x0, method, perturbation_order, perturbation_scale, transition, cancel, sliding
         As in `integrate`; sliding begins and ends with a crossing.
     progress
@@ -164,7 +171,8 @@ def order_study(
     Raises
     ------
     ValueError
-        On arguments that make no sense, and where the trajectory has fewer crossings than asked for.
+        On arguments that make no sense, and where the trajectory has fewer crossings than asked for, or others until
+        `until`.
     """
     check_hooks(cancel, progress)
     system, t0 = system_of(system), number(t0, "t0")
@@ -173,17 +181,18 @@ def order_study(
         raise ValueError(f"method {chosen.name!r} chooses its step size and its order: there is no order to study")
     start = checked_start(system, t0, x0)
     steps = _checked_taus(taus)
-    numbers = _checked_crossings(crossings)
+    until = None if until is None else number(until, "until")
+    numbers = _checked_crossings(crossings, until)
     options = (transition, perturbation_order, perturbation_scale)
     settings = [checked_settings(chosen, tau, None, *options, cancel=cancel, sliding=sliding) for tau in steps]
     try:
         exact = reference_solution(system, start, t0, cancel=cancel, sliding=sliding)
-        target = _target(exact, t0, numbers)
+        target = _target(exact, t0, numbers, until)
     except Cancelled:
-        return _nothing(chosen, steps, numbers)
+        return _nothing(chosen, steps, numbers, until)
     times, states = target.times, target.states
     size = float(np.abs(states).max())
-    spacing = float(target.crossing_times[-1] - t0) / numbers[-1]
+    spacing = float(target.crossing_times[-1] - t0) / numbers[-1] if numbers else float(times[-1] - t0)
 
     def run(x0: Floats, setting: Settings) -> _Found:
         return _run(system, chosen, t0, tuple(x0.tolist()), setting, times, numbers)
@@ -198,7 +207,7 @@ def order_study(
         state_slope, window = _fits(steps, state_error, floor, size)
         return OrderStudy(
             chosen.name, steps, numbers, times, time_error.copy(), state_error.copy(), time_slope, state_slope,
-            time_window, window, floor, time_floor, exact.name, size, spacing,
+            time_window, window, floor, time_floor, exact.name, size, spacing, until,
         )  # fmt: skip
 
     for j, setting in enumerate(settings):
@@ -216,7 +225,7 @@ def order_study(
     return study()
 
 
-def _nothing(method: Method, taus: Floats, numbers: tuple[int, ...]) -> OrderStudy:
+def _nothing(method: Method, taus: Floats, numbers: tuple[int, ...], until: float | None) -> OrderStudy:
     """Return a study that was cancelled before its reference was known."""
     k, m = len(numbers), len(taus)
 
@@ -225,7 +234,7 @@ def _nothing(method: Method, taus: Floats, numbers: tuple[int, ...]) -> OrderStu
 
     return OrderStudy(
         method.name, taus, numbers, empty(1 + k), empty(k, m), empty(1 + k, m), empty(k), empty(1 + k), empty(k, 2),
-        empty(1 + k, 2), empty(1 + k), empty(k), "not computed",
+        empty(1 + k, 2), empty(1 + k), empty(k), "not computed", until=until,
     )  # fmt: skip
 
 
@@ -238,10 +247,10 @@ def _checked_taus(taus: Iterable[float]) -> Floats:
     return steps
 
 
-def _checked_crossings(crossings: Sequence[int]) -> tuple[int, ...]:
+def _checked_crossings(crossings: Sequence[int], until: float | None) -> tuple[int, ...]:
     given = listed(crossings, "crossings", "a tuple is needed, as in (10, 20, 30)")
     numbers = tuple(count(k, "crossings") for k in given)
-    if not numbers or any(b <= a for a, b in pairwise(numbers)):
+    if (not numbers and until is None) or any(b <= a for a, b in pairwise(numbers)):
         raise ValueError(f"crossings = {crossings!r}: increasing numbers from 1 are needed, as in (10, 20, 30)")
     return numbers
 
@@ -259,16 +268,28 @@ class _Target(NamedTuple):
     """(1 + k,) its own estimate of its error until `times`."""
 
 
-def _target(exact: Solution, t0: float, numbers: tuple[int, ...]) -> _Target:
+def _target(exact: Solution, t0: float, numbers: tuple[int, ...], until: float | None) -> _Target:
     """Ask a solution for its states halfway to the first crossing and after each of some, and for their times."""
     t_star, times, states, error = [t0], [], [], []
+    last = max(numbers, default=0)
+    if until is not None:
+        _check_until(exact, t0, until, last)
     for k in (0, *numbers):
-        while len(t_star) < k + 2:
+        given = until if k == last else None
+        while len(t_star) < k + (2 if given is None else 1):
             t_star.append(_crossing_time(exact, len(t_star), numbers))
-        times.append((t_star[k] + t_star[k + 1]) / 2)
+        times.append((t_star[k] + t_star[k + 1]) / 2 if given is None else given)
         states.append(exact.state(times[-1]))
         error.append(exact.error)
     return _Target(np.array(times), np.array(states), np.array([t_star[k] for k in numbers]), np.array(error))
+
+
+def _check_until(exact: Solution, t0: float, until: float, last: int) -> None:
+    """Refuse a time that is not between the last crossing and the one after it."""
+    if not until > t0:
+        raise ValueError(f"until = {until!r}: a time after t0 = {t0!r} is needed")
+    if (there := exact.count(until)) != last:
+        raise ValueError(f"until = {until!r}: the solution has {there} crossings until then, not {last} as asked for")
 
 
 def _crossing_time(exact: Solution, k: int, numbers: tuple[int, ...]) -> float:

@@ -26,7 +26,7 @@ MEANINGS: Mapping[str, str] = {
     "number": "number of the crossing in its run, from 1",
     "point": "number of the point of its start, from 1; discarded points do not count",
     "kind": "what happens; sliding: it begins, leaving: it ends, jump: the state is the one before it",
-    "curve": "where the error is taken: before the first crossing, or after or at the crossing numbered",
+    "curve": "where the error is taken: before the first crossing, after or at the crossing numbered, or at a time",
     "tau": f"step size τ, {_TIME}",
     "tolerance": "error of a step relative to the state",
     "error": "error of the quantity that the figure shows",

@@ -25,7 +25,7 @@ from pwsviz.results.requests import (
     transition_of,
 )
 from pwsviz.results.sections import HORIZON, SectionPoints, section_arguments
-from pwsviz.results.studies import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
+from pwsviz.results.studies import BEFORE_THE_END, STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
 from pwsviz.results.sweeps import sweep_arguments
 from pwsviz.scene.checks import OWN
 from pwsviz.scene.scene import Scene
@@ -167,12 +167,16 @@ def order_program(scene: Scene, inputs: tuple[StudyInputs, ...]) -> str:
     study = _call(
         "study = core.order_study",
         ("system", "2.0 ** -np.arange(3.0, 13.5, 0.5)"),
-        start | scheme | method | {"crossings": "crossings"},
+        start | scheme | method | {"crossings": "crossings", "until": "until"},
     )
     lines = f"""\
 {looked}
 last = len(run.crossings.passed) - 1  # the segment after it is studied, too
 crossings = {STUDY_CROSSINGS} if last >= {STUDY_CROSSINGS[-1]} else sorted({{-(-last // 3), -(-2 * last // 3), last}})
+until = None  # halfway to the next crossing
+if last < 1:  # there is none
+    until = min({inputs[0].t_end!r}, {BEFORE_THE_END} * float(run.t[-1]))
+    crossings = (1,) if (run.crossings.passed.t < until).any() else ()
 {study}
 print(f"{{study.method}} against {{study.reference}}")
 print(f"state, before the first crossing and after {{study.crossings}}: slopes {{study.state_slope}}")

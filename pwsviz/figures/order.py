@@ -154,6 +154,8 @@ def state_rows(study: core.OrderStudy) -> list[Row]:
     """Return the curves of the state error before the first crossing and after each of the studied ones."""
     numbers = [0, *study.crossings]
     names = [("before the first crossing", "before")]
+    if not study.crossings:
+        names = [(f"at t = {study.times[-1]:.4g}",) * 2]
     names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
     fitted = study.state_error, study.state_slope, study.window
     above, below, round_off = study.fit_above.tolist(), study.fit_below, study.at_round_off.tolist()

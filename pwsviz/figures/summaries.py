@@ -130,7 +130,8 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
     words += f" {fit_rule(shown)}."
     if early:
         usual = listed([str(k) for k in STUDY_CROSSINGS])
-        words += f" The trajectory has too few crossings for the usual ones, {usual}: earlier ones are used."
+        others = "earlier ones are used" if any(row.crossing for one in shown for row in one.rows) else "none is used"
+        words += f" The trajectory has too few crossings for the usual ones, {usual}: {others}."
     return words
 
 
@@ -150,11 +151,9 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool, met: str = "
         return ""
     counted = numbered_crossings(study.crossings)
     if states:
-        first, *later = (f"{t:.4g}" for t in study.times)
         words = (
             "‖x − x*‖₂ is the Euclidean norm of the difference between the states of the run and of the reference, "
-            f"in all variables, at t = {first}, halfway to the first crossing (“before”), and at "
-            f"t = {listed(later)}, halfway from {counted} to the next (“after”)"
+            f"in all variables, at {_instants(study)}"
         )
     else:
         words = (
@@ -163,6 +162,17 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool, met: str = "
         )
     counted_too = ["jumps"] * ("jumps" in met) + ["the beginning and the end of sliding"] * slides
     return words + f"; {listed(counted_too)} count as crossings" * bool(counted_too) + "."
+
+
+def _instants(study: core.OrderStudy) -> str:
+    """Return in words when states are compared."""
+    first, *later = (f"{t:.4g}" for t in study.times)
+    if not later:
+        return f"t = {first}, up to which there is no crossing"
+    after = f"halfway from {numbered_crossings(study.crossings)} to the next (“after”)"
+    if study.until is not None:
+        after = "after the only crossing up to then"
+    return f"t = {first}, halfway to the first crossing (“before”), and at t = {listed(later)}, {after}"
 
 
 def numbered_crossings(crossings: Sequence[int]) -> str:

@@ -113,10 +113,12 @@ class ErrorInputs:
 
 @dataclass(frozen=True)
 class StudyInputs:
-    """Exactly what one order study depends on: neither the step size nor the end time of the scene."""
+    """What one order study depends on: not the step size of the scene, and its end time only with few crossings."""
 
     problem: InitialValueProblem
     scheme: Scheme
+    t_end: float
+    """Time at which states are compared of a trajectory with less than two crossings."""
 
 
 @dataclass(frozen=True)
@@ -261,7 +263,7 @@ def other_inputs(scene: Scene) -> tuple[RunInputs, ...]:
 def study_inputs(scene: Scene) -> tuple[StudyInputs, ...]:
     """Return the inputs of the order study of each integrator that the scene studies."""
     problem = InitialValueProblem.of(scene)
-    return tuple(StudyInputs(problem, Scheme.of(scene, method)) for method in scene.order_methods)
+    return tuple(StudyInputs(problem, Scheme.of(scene, method), scene.t_end) for method in scene.order_methods)
 
 
 def usual_inputs(system: core.PiecewiseSystem) -> RunInputs:

@@ -37,7 +37,7 @@ from pwsviz.results.requests import (
 from pwsviz.results.run_summary import Summary, summary_of, warning_of
 from pwsviz.results.sections import SectionPoints, studied_section
 from pwsviz.results.states import StateCurves, state_curves
-from pwsviz.results.studies import studied_cost, studied_order, studied_stability
+from pwsviz.results.studies import Compared, compared_crossings, studied_cost, studied_order, studied_stability
 from pwsviz.results.sweeps import Diagram, swept
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
@@ -138,7 +138,7 @@ class Results:
         How often each kind of result was computed, not found in the cache: ``"run"``, ``"orbit"``, ``"frames"``,
         ``"landmarks"``, ``"states"``, ``"error"``, ``"curve"``, ``"summary"``, ``"backdrop"``, ``"diagnosis"``,
         ``"warning"``, ``"study"``, ``"cost"``, ``"stability"``, ``"limits"``, ``"section"``, ``"sweep"``,
-        ``"swept value"``, ``"plane"``.
+        ``"swept value"``, ``"compared"``, ``"plane"``.
     """
 
     def __init__(self, max_bytes: int = 256_000_000) -> None:
@@ -307,7 +307,13 @@ class Results:
 
     def study(self, inputs: StudyInputs, cancel: Cancel = never, report: Report = silent) -> core.OrderStudy:
         """Return an order study."""
-        return self._in_turn("study", inputs, cancel, partial(studied_order, inputs, cancel, report))
+        compared = self.compared(inputs, cancel)
+        key = (replace(inputs, t_end=0.0), compared)  # an end time that has no effect is no part of it
+        return self._in_turn("study", key, cancel, partial(studied_order, inputs, compared, cancel, report))
+
+    def compared(self, inputs: StudyInputs, cancel: Cancel = never) -> Compared:
+        """Return which crossings an order study compares, and when it ends."""
+        return self._cache.get("compared", inputs, lambda: compared_crossings(inputs, cancel))
 
     def studies(
         self, inputs: tuple[StudyInputs, ...], cancel: Cancel = never, report: Report = silent

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import Executor
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +17,8 @@ from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 
 __all__ = [
-    "LIMITS_OF_TAU", "STUDY_CROSSINGS", "STUDY_HORIZON", "STUDY_PROBE", "STUDY_TAUS", "studied_cost", "studied_order",
-    "studied_stability",
+    "BEFORE_THE_END", "LIMITS_OF_TAU", "STUDY_CROSSINGS", "STUDY_HORIZON", "STUDY_PROBE", "STUDY_TAUS", "Compared",
+    "compared_crossings", "studied_cost", "studied_order", "studied_stability",
 ]  # fmt: skip
 
 STUDY_CROSSINGS = (10, 20, 30)
@@ -36,12 +37,22 @@ LIMITS_OF_TAU = tuple(map(float, Scene.param["tau"].bounds))
 """The least and the largest step size that the page accepts."""
 
 BEFORE_THE_END = 0.9
-"""Part of the lifetime of a solution that ends early over which run times are compared."""
+"""Part of the lifetime of a solution that ends early over which run times, or orders, are compared."""
 
 
-def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
-    """Return the numbers of the crossings to study: those of the paper, or fewer if the trajectory has fewer.
+class Compared(NamedTuple):
+    """What an order study compares."""
 
+    crossings: tuple[int, ...]
+    """Numbers of the crossings."""
+    until: float | None
+    """Time of the last state; None if that is halfway between the last crossing and the next."""
+
+
+def compared_crossings(inputs: StudyInputs, cancel: Cancel) -> Compared:
+    """Return which crossings to study: those of the paper, or earlier ones if the trajectory has fewer.
+
+    Of a trajectory with less than two, the state is compared at the end time, or earlier if the trajectory ends before.
     They are counted on a run, since the reference solution might look for a next crossing forever.
     """
     run = core.integrate(
@@ -61,12 +72,13 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
     met = run.crossings.passed
     passed = int((met.t <= end).sum())
     if passed < 2:
-        slide = " (where it begins to slide)" * ("sliding" in met.kind[:1])
-        found = f"this trajectory has {f'one{slide}' if passed else 'none'} up to t = {end:.6g}"
-        why = "" if status is core.Status.COMPLETED else f" It stops there: {status.reason}."
-        raise ValueError(f"An order study needs at least two crossings; {found}.{why}")
+        until = min(inputs.t_end, BEFORE_THE_END * end)
+        if not until > 0.0:
+            raise ValueError(f"This trajectory stops at once: {status.reason}. There is no order to study.")
+        return Compared((1,) if (met.t < until).any() else (), until)
     last = passed - 1  # the segment after it is studied, too
-    return STUDY_CROSSINGS if last >= STUDY_CROSSINGS[-1] else tuple(sorted({-(-last // 3), -(-2 * last // 3), last}))
+    usual = last >= STUDY_CROSSINGS[-1]
+    return Compared(STUDY_CROSSINGS if usual else tuple(sorted({-(-last // 3), -(-2 * last // 3), last})), None)
 
 
 def _end_of_solution(run: core.Trajectory) -> tuple[float, core.Status]:
@@ -75,13 +87,14 @@ def _end_of_solution(run: core.Trajectory) -> tuple[float, core.Status]:
     return (touch, core.Status.GRAZING) if touch < run.t[-1] else (float(run.t[-1]), run.status)
 
 
-def studied_order(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
+def studied_order(inputs: StudyInputs, compared: Compared, cancel: Cancel, report: Report) -> core.OrderStudy:
     """Study the order of an integrator."""
     return core.order_study(
         inputs.problem.build(),
         STUDY_TAUS,
         x0=inputs.problem.x0,
-        crossings=_studied_crossings(inputs, cancel),
+        crossings=compared.crossings,
+        until=compared.until,
         cancel=cancel,
         progress=report,
         **inputs.scheme.arguments(),

@@ -71,7 +71,10 @@ class OrderTab(LongTab):
         return study_inputs(self.scene)
 
     def compute(self, inputs: tuple[StudyInputs, ...], cancel: Cancel, report: Report) -> Studies:
-        """Measure the order."""
+        """Measure the order; ValueError if it is that of crossing times, and there is no crossing."""
+        if self._rows is time_rows and not any(self.results.compared(one, cancel).crossings for one in inputs):
+            until = self.results.compared(inputs[0], cancel).until
+            raise ValueError(f"There is no crossing up to t = {until:.6g}, so there is no crossing time to study.")
         return self.results.studies(inputs, cancel, report)
 
     def build(self) -> list[Any]:
@@ -109,7 +112,7 @@ class OrderTab(LongTab):
             moved = (
                 f"Crossing times are perturbed by {perturbation(scene.perturbation_order, scene.perturbation_scale)}."
             )
-        free = "The end time has no effect here." * bool(self._times(outcome))
+        free = self._end(outcome) * bool(self._times(outcome))
         return " ".join(filter(None, (moved, free, self._made(outcome) * self._is_unusual(outcome))))
 
     def details(self, outcome: Studies) -> str:
@@ -128,6 +131,12 @@ class OrderTab(LongTab):
     def _is_early(outcome: Studies) -> bool:
         """Whether a trajectory has too few crossings for those that are usually looked at."""
         return any(one.crossings != STUDY_CROSSINGS for one in outcome)
+
+    def _end(self, outcome: Studies) -> str:
+        """Return what the end time has to do with the study."""
+        if (until := outcome[0].until) is None:
+            return "The end time has no effect here."
+        return f"The last states are compared at t = {until:.4g}." * (self._rows is state_rows)
 
     def _times(self, outcome: Studies) -> str:
         return study_times(outcome[0], self._rows is state_rows, self.slid, met_at_surfaces(self.scene.declaration))
@@ -163,6 +172,8 @@ class OrderTab(LongTab):
     def key(self, outcome: Studies) -> str:
         """Return what the broad lines are, and when states are compared."""
         when = "“Before”: halfway to the first crossing; “after k”: halfway from crossing k to the next."
+        if (until := outcome[0].until) is not None:
+            when = f"“Before”: halfway to the crossing; “after 1”: at t = {until:.6g}." * bool(outcome[0].crossings)
         fitted = FITS in self.meaning(outcome)
         return " ".join(filter(None, [when * (self._rows is state_rows), FITS * fitted]))
 
@@ -175,8 +186,9 @@ class OrderTab(LongTab):
         )
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.3g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
-        at = "before the first crossing and after" if self._rows is state_rows else "at"
-        taus += f", compared with the reference ({first.reference}) {at} {numbered_crossings(first.crossings)}"
+        at = f"{'before the first crossing and after' if self._rows is state_rows else 'at'} {{}}"
+        at = at.format(numbered_crossings(first.crossings)) if first.crossings else f"at t = {first.until:.6g}"
+        taus += f", compared with the reference ({first.reference}) {at}"
         rule = f"{self._times(outcome)} {fit_rule(studied(outcome, self._rows))}".lstrip()
         return f"integrated by {methods} with {taus}; {crossings}. {rule}"
 

@@ -36,6 +36,24 @@ def test_runge_kutta_methods_keep_their_order_too(system, method, coarsest, fine
     assert study.time_slope == pytest.approx([expected] * 2, abs=0.1)
 
 
+def test_without_a_further_crossing_states_are_compared_at_a_given_time():
+    system = core.PiecewiseSystem("Once", ("x",), ("-x",), ("-2*x",), "t - 1", x0=(1.0,))
+    taus = 2.0 ** -np.arange(4.0, 9.0)
+    study = core.order_study(system, taus, method="rk2", crossings=(1,), until=2.0)
+    assert study.times.tolist() == [0.5, 2.0]
+    assert study.state_slope == pytest.approx([2.0, 2.0], abs=0.1)
+    before = core.order_study(system, taus, method="rk2", crossings=(), until=0.5)
+    assert before.times.tolist() == [0.5]
+    assert np.array_equal(before.state_error, study.state_error[:1])
+    assert "crossings none" in repr(before)
+    for crossings, until, why in (
+        ((), 2.0, "has 1 crossings until then, not 0"), ((1,), 0.5, "has 0 crossings until then, not 1"),
+        ((), 0.0, "a time after t0"), ((), None, "increasing numbers from 1 are needed"),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=why):
+            core.order_study(system, taus, method="rk2", crossings=crossings, until=until)
+
+
 def test_the_fit_leaves_out_step_sizes_that_are_not_yet_asymptotic():
     # Halving the error of a step size at a time is slope 1 from 0.1 down; above it the error is flat.
     taus = np.array([0.8, 0.4, 0.2, 0.1, 0.05, 0.025, 0.0125])

@@ -173,13 +173,9 @@ def test_the_program_of_a_section_leaves_out_the_points_of_a_motion_at_rest_as_t
 
 
 def test_the_order_study_is_that_of_the_page(monkeypatch, capsys):
-    for key, method, count in (("elliptic_curve", "rk2", 3), ("type_upward", "dmm2", 0), ("pendulum", "dmm2", 3)):
-        scene = Scene(system=key, view="order", methods=[method], perturbation_order=1)
+    for key in ("elliptic_curve", "type_upward", "pendulum", "type_repelling"):  # two of them cross less than twice
+        scene = Scene(system=key, view="order", methods=["rk2"], perturbation_order=1)
         scene.accept("t_end", 1.0)
-        if count == 0:  # it crosses once: the page says that this is too little, and so does core
-            with pytest.raises(ValueError, match="crossings"):
-                executed(scene, monkeypatch)
-            continue
         (studies,) = executed(scene, monkeypatch, "order_study")
         (page,) = Results().studies(study_inputs(scene))
         for name in ("taus", "times", "time_error", "state_error", "time_slope", "state_slope"):

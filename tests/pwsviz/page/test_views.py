@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import core
 from pwsviz.scene.views import VIEWS
 from tests.levels import deep_but
 
@@ -161,9 +162,9 @@ def test_no_figure_of_another_system_stays_where_a_study_is_refused(explorer):
     explorer.scene.view = "order"
     assert explorer.settle(60)
     assert all(pane.styles["visibility"] == "inherit" for pane in explorer.view.plots)
-    explorer.scene.accept("system", "type_upward")  # which crosses once
+    explorer.scene.load({"system": "type_repelling", "view": "time"})  # which does not cross
     assert explorer.settle(60)
-    assert "at least two crossings" in explorer.view.words.object
+    assert "so there is no crossing time to study" in explorer.view.words.object
     assert all(pane.styles["visibility"] == "hidden" for pane in explorer.view.plots)
     assert not any(pane.visible for pane in explorer.view.plots), "the reason stands where the figure would"
     explorer.scene.accept("system", "pendulum")
@@ -189,9 +190,25 @@ def test_a_study_of_few_crossings_says_so(explorer):
     assert "too few crossings for the usual ones" in words
 
 
+def test_a_study_of_one_crossing_ends_with_the_runs_and_says_so(explorer):
+    explorer.scene.param.update(system="type_upward", view="order")
+    assert explorer.settle(60)
+    view, end = explorer.view, f"{explorer.scene.t_end:.4g}"
+    assert "before the first crossing and after 1 crossing" in view.words.object
+    assert f"The last states are compared at t = {end}." in view.words.object
+    assert f"at t = {end}, after the only crossing up to then" in view._times(view.outcome)
+    assert "The end time has no effect" not in view.words.object
+    explorer.scene.param.update(view="time")
+    assert explorer.settle(60)
+    assert "for crossing 1 of runs to t" in explorer.view._times(explorer.view.outcome)
+    explorer.scene.param.update(system="type_repelling", view="order")
+    assert explorer.settle(60)
+    assert "up to which there is no crossing" in explorer.view._times(explorer.view.outcome)
+
+
 def test_a_study_that_is_impossible_says_why(explorer):
-    explorer.scene.accept("x0", (1.4, -1.4))  # runs off to infinity
-    explorer.scene.view = "order"
+    explorer.scene.use(core.PiecewiseSystem("Held", ("x", "y"), ("1", "0"), ("-1", "0"), "x", x0=(0.0, 1.0)))
+    explorer.scene.param.update(slide=False, view="order")
     explorer.settle(20)
     assert 'class="error"' in explorer.views["order"].words.object
     assert not explorer.views["order"].progress.busy

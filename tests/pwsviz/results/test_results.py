@@ -86,10 +86,13 @@ def test_cost_and_stability_step_over_the_surface_where_the_page_does(inputs, na
 
 
 def test_the_order_study_does_not_depend_on_step_size_and_end_time():
-    scene = Scene()
+    scene, results = Scene(), Results()
     before = study_inputs(scene)
-    scene.param.update(tau=5e-3, t_end=3.0)
+    scene.param.update(tau=5e-3)
     assert study_inputs(scene) == before
+    study = results.study(*before)
+    scene.param.update(t_end=3.0)
+    assert results.study(*study_inputs(scene)) is study
     scene.accept("x0.0", -0.9)
     assert study_inputs(scene) != before
 
@@ -278,10 +281,42 @@ def test_a_study_looks_at_the_crossings_there_are(results, system, crossings):
     assert np.isfinite(study.state_error).mean() > 0.8
 
 
-@pytest.mark.parametrize(("system", "found"), [("type_upward", "one"), ("type_repelling", "none")])
-def test_a_study_without_crossings_is_refused_at_once(results, system, found):
-    with pytest.raises(ValueError, match=f"needs at least two crossings; this trajectory has {found}"):
-        results.study(*study_inputs(Scene(system=system)))
+def of_law_in_time(system, **settings):
+    scene = Scene()
+    scene.use(system)
+    for name, value in settings.items():
+        scene.accept(name, value)
+    return scene
+
+
+PUSHED = core.PiecewiseSystem("Pushed from t = 3 on", ("x", "v"), ("v", "-x"), ("v", "1 - x"), "t - 3", x0=(1.0, 0.0))
+
+
+@pytest.mark.parametrize(("t_end", "crossings"), [(7.0, (1,)), (2.0, ())])
+def test_with_less_than_two_crossings_states_are_compared_at_the_end_time(results, t_end, crossings):
+    """Against the solution in closed form: cos t up to t = 3, and cos t − cos(t − 3) + 1 from then on."""
+    scene = of_law_in_time(PUSHED, methods=["rk4"], t_end=t_end)
+    study = results.study(*study_inputs(scene))
+    assert (study.crossings, study.until) == (crossings, t_end)
+    assert study.times.tolist() == ([1.5, 7.0] if crossings else [2.0])
+    assert study.state_slope == pytest.approx([4.0] * len(study.times), abs=0.1)
+    run = core.integrate(PUSHED, (0.0, t_end), tau=float(study.taus[0]), method="rk4")
+    exact = np.cos(t_end) + (1 - np.cos(t_end - 3)) * (t_end > 3), -np.sin(t_end) + np.sin(t_end - 3) * (t_end > 3)
+    assert study.state_error[-1, 0] == pytest.approx(np.linalg.norm(run.x[-1] - exact), rel=1e-3)
+
+
+@pytest.mark.parametrize(("system", "crossings"), [("type_upward", (1,)), ("type_repelling", ())])
+def test_a_system_with_one_crossing_or_none_has_an_order(results, system, crossings):
+    study = results.study(*study_inputs(Scene(system=system)))
+    assert study.crossings == crossings
+    assert np.isfinite(study.state_error).mean() > 0.8
+
+
+def test_what_stops_at_once_has_no_order(results):
+    held = core.PiecewiseSystem("Held", ("x", "y"), ("1", "0"), ("-1", "0"), "x", x0=(0.0, 1.0))
+    scene = of_law_in_time(held, slide=False)
+    with pytest.raises(ValueError, match=r"stops at once: .*There is no order to study"):
+        results.study(*study_inputs(scene))
 
 
 @pytest.mark.parametrize("system", deep_but(QUICK, core.CATALOGUE))
