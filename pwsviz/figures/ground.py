@@ -21,7 +21,7 @@ import core
 from pwsviz.figures.colours import GREEN, GREY, SHADES, SIDES, SURFACE, TINT
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
-from pwsviz.figures.moving import AWAIT, REPAINT, TELL_PLACE
+from pwsviz.figures.moving import AWAIT, ELSEWHEN, REPAINT, TELL_PLACE
 from pwsviz.figures.style import assign, ranges, tips, unseen
 from pwsviz.geometry.hiding import any_seen, unhidden
 from pwsviz.geometry.phase_plane import Backdrop
@@ -110,6 +110,7 @@ class Ground:
         self._names = label_glyph(plot)
         self.labels = self._names.data_source
         self._surface_labels: list[str] = []
+        self._tint = ""  # name of the regions that are tinted
         self._arrow_lines = field
         head = plot.add_glyph(unseen(("x", "y")), Scatter(marker="triangle", angle=-math.pi / 2, size=7, **HEAD))
         self._level_keys = {1: _keys(plot, **LEVEL_SET), 2: _keys(plot, **OWN_LEVEL_SET)}
@@ -162,6 +163,7 @@ class Ground:
             "bare": self.bare,
             "surface": self.surface,
             "entry": entries[0],
+            "tint_entry": entries[1],
             "arrows": self._arrow_lines,
         }
         lines = {"lines_below": self._lines(-1), "lines_above": self._lines(1)}
@@ -196,13 +198,15 @@ class Ground:
         """Name the surface in the legend, if it is drawn; several of them in the figure, too."""
         self._surface_entry.label = value(surface_name(system))
         self._surface_labels = surface_labels(system)
-        self._tint_entry.label = value(shade_names(system).get(-1, ""))
+        self._tint = shade_names(system).get(-1, "")
 
     def _show_entries(self, backdrop: Backdrop, seen: Window) -> None:
         """Let a key stand in the legend for what is seen alone; of what moves, for what may be at another time."""
         moving = bool(backdrop.formulas["moving"] and backdrop.formulas["regions"])
         self._surface_entry.visible = (moving and backdrop.formulas["drawn"]) or any_seen(backdrop.surface, seen)
-        self._tint_entry.visible = moving or _any_seen(backdrop.minus_outer, seen)
+        tinted = _any_seen(backdrop.minus_outer, seen)
+        self._tint_entry.visible = moving or tinted
+        self._tint_entry.label = value(self._tint if tinted else f"{self._tint}{ELSEWHEN}")
         name = backdrop.formulas["bare"]
         self._bare_entry.visible = bool(name) and (moving or _any_seen(backdrop.bare_outer, seen))
         self._bare_entry.label = value(name)
@@ -271,7 +275,9 @@ class Ground:
                 assign(source, **columns)
         assign(self.attracting, **_columns(backdrop.attracting))
         assign(self.repelling, **_columns(backdrop.repelling))
-        text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels, "window": backdrop.window})
+        text = json.dumps(
+            {**backdrop.formulas, "surfaces": self._surface_labels, "window": backdrop.window, "tint": self._tint}
+        )
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 from pwsviz.geometry.formulas import FUNCTIONS
 from pwsviz.text.numbers import PRINTED
 
-__all__ = ["AWAIT", "REPAINT", "TELL_PLACE"]
+__all__ = ["AWAIT", "ELSEWHEN", "REPAINT", "TELL_PLACE"]
+
+ELSEWHEN = " (at other times)"
+"""What follows the name of tinted regions in a legend while they are not in sight."""
 
 FORMULAS = """
 const KNOWN = new Set(FUNCTIONS)
@@ -75,6 +78,9 @@ if (given?.moving && given.regions.length > 0) {
   const xs = Array.from({ length: columns + 1 }, (_, i) => left + i * width / columns)
   const ys = Array.from({ length: rows + 1 }, (_, j) => low + j * height / rows)
   const nodes = heights.map(g => ys.map(y => xs.map(x => g(x, y, t))))
+  const name_entry = (entry, value) => {  // each change rebuilds the legend
+    if (entry.label?.value != value) { entry.setv({ label: { value } }, { sync: false }) }
+  }
   const sx = [], sy = []
   const nothing = () => {}
   const line = (a, b) => { sx.push(a[0], b[0], NaN); sy.push(a[1], b[1], NaN) }
@@ -88,13 +94,14 @@ if (given?.moving && given.regions.length > 0) {
     const levels = ys.map((_y, j) => xs.map((_x, i) => sign * highest(regions, i, j)))
     trace(xs, ys, levels, (x, y) => { px.push([x]); py.push([y]) }, nothing)
     source.setv({ data: px.length > 0 ? { xs: [px], ys: [py] } : { xs: [], ys: [] } }, { sync: false })
+    const meets = ([values], { start, end }) => Math.min(...values) < end && Math.max(...values) > start
+    return px.some((rings, k) => meets(rings, across) && meets(py[k], up))  // whether any of it is in sight
   }
-  filled(side, tinted, -1)
+  name_entry(tint_entry, filled(side, tinted, -1) ? given.tint : `${given.tint}ELSEWHEN`)
   if (given.bare != "") { filled(bare, given.regions.map(([sides]) => sides), 1) }
   surface.setv({ data: { x: sx, y: sy } }, { sync: false })
   const name = heights.length == 1 ? "S: g = 0" : "surfaces"
-  const label = { value: running || !given.curves_move ? name : `${name} at t = 0` }
-  if (entry.label?.value != label.value) { entry.setv({ label }, { sync: false }) }  // each change rebuilds the legend
+  name_entry(entry, running || !given.curves_move ? name : `${name} at t = 0`)
   for (const [sources, sign] of [[lines_below, -1], [lines_above, 1]]) {
     for (const source of sources) {  // lines that are hidden on the other side
       const { whole, y, psi, at_x, at_y } = source.data
@@ -108,7 +115,7 @@ if (given?.forced) {
   for (const renderer of arrows) { renderer.setv({ visible: !running }, { sync: false }) }  // they are those of t = 0
 }
 """
-)
+).replace("ELSEWHEN", ELSEWHEN)
 """JavaScript run when the player shows another time, or the backdrop is new: what moves is painted as it is then."""
 
 TELL_PLACE = (

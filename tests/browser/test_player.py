@@ -226,3 +226,18 @@ def test_the_place_is_told_in_values_of_the_variables_where_one_is_drawn_in_a_un
     x, y, psi = (float(number.replace("−", "-")) for number in found.groups())
     assert psi * 1e7 == pytest.approx((y**2 + 1e8 * x**2) / 2, rel=0.01)
     assert y > 1e3
+
+
+def test_the_legend_tells_whether_the_tint_it_names_is_there_at_the_time_shown(visit):
+    """Of a law that changes at an instant the whole plane is on one side, then on the other."""
+    scene = Scene()
+    scene.use(core.PiecewiseSystem("Pushed", ("x", "v"), ("v", "-x"), ("v", "1 - x"), "t - 3", x0=(1.0, 0.0)))
+    scene.accept("t_end", 7.0)
+    page = opened(visit, scene)
+    names = page.locator(".bk-label", has_text="g < 0")  # of the portrait, and beside it
+    for time, told in ((0.0, "g < 0"), (5.0, "g < 0 (at other times)"), (2.0, "g < 0")):
+        if time:
+            at_time(page, page.get_by_role("slider", name="Time"), time)
+        assert becomes(page, lambda told=told: names.count() > 0 and names.first.inner_text() == told), time
+        if not time:
+            animate(page)

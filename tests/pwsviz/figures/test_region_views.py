@@ -10,6 +10,7 @@ from bokeh.core.properties import value
 import core
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.marks import end_columns
+from pwsviz.figures.moving import ELSEWHEN
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.scheme import scheme_markup
 from pwsviz.figures.state import StateView
@@ -82,7 +83,8 @@ def test_the_legend_of_the_portrait_names_what_is_tinted_and_nothing_if_nothing_
     view.show_backdrop(ground)
     tint = view.ground._tint_entry
     assert tint.visible == bool(ground.minus_outer)
-    assert tint.label == value(shade_names(system).get(-1, ""))
+    named = shade_names(system).get(-1, "")
+    assert tint.label == value(named if ground.minus_outer else f"{named}{ELSEWHEN}")
     for entry, part in zip(view.ground._line_entries, (ground.arrows, ground.levels), strict=False):
         assert entry.visible == any(np.isfinite(lines).any() for lines in part.values())
 
@@ -176,3 +178,15 @@ def test_where_a_run_enters_a_region_without_law_its_end_is_marked():
     end = end_columns(Results().pictures(PortraitInputs.of(scene)).numbered)
     assert end["label"] == ["end: no law"]
     assert (end["x"][0], end["y"][0]) == (pytest.approx(-2 / 3), pytest.approx(-2 / 3))
+
+
+def test_the_key_of_a_tint_that_is_not_there_now_says_that_it_is_at_other_times():
+    """Of laws that change at an instant the whole plane is on one side."""
+    for g, told in (("t - 3", "g < 0"), ("3 - t", f"g < 0{ELSEWHEN}")):
+        system = core.PiecewiseSystem("Switched", ("x", "v"), ("v", "-x"), ("v", "1 - x"), g, x0=(1.0, 0.0))
+        view = PortraitView(*[lambda *_: None] * 5)
+        pictures = Results().pictures(PortraitInputs.of(scene_of(system)))
+        view.show_orbits(system, pictures, [pictures.orbits[0].start], 0)
+        view.show_backdrop(backdrop(system, WINDOW, {}))
+        assert view.ground._tint_entry.visible
+        assert view.ground._tint_entry.label == value(told)
