@@ -17,10 +17,16 @@ from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 from pwsviz.text.math_names import variable_name
 
-__all__ = ["OF_OTHERS", "alongside_columns", "curve_columns", "fitted", "step_columns", "thin_shares"]
+__all__ = [
+    "OF_OTHERS", "alongside_columns", "curve_columns", "fitted", "selected_shares", "starts_of_thin", "step_columns",
+    "thin_shares",
+]  # fmt: skip
 
 OF_OTHERS = 0.5
 """Width of the curves of other starts, relative to those of the selected one."""
+
+STRONG = 2.6
+"""Least width in pixels of the curves of the selected start beside those of others."""
 
 THINNER = 0.5
 """Width of the curves of each further body alongside, relative to those of the one before."""
@@ -54,6 +60,19 @@ def thin_shares(pictures: Pictures) -> list[float]:
     for k, orbits in enumerate(pictures.alongside.values()):
         shares += [OF_OTHERS * THINNER**k] * len(orbits)
     return shares
+
+
+def selected_shares(pictures: Pictures) -> list[float]:
+    """Return the relative widths of the curves of the selected start, which are strong beside those of others."""
+    if not pictures.others:
+        return []
+    return [max(1.0, STRONG / line.width) for line in together(line_of(orbit.method) for orbit in pictures.orbits)]
+
+
+def starts_of_thin(pictures: Pictures) -> list[int]:
+    """Return the number of the start of each thin curve, from 1."""
+    numbers = [number for number, _ in pictures.numbered]
+    return numbers[len(pictures.orbits) :] + numbers * len(pictures.alongside)
 
 
 def fitted(orbits: Sequence[Orbit], view: Window | None, shares: Sequence[float] = ()) -> dict[str, list[Any]]:

@@ -26,7 +26,15 @@ from pwsviz.figures.ground import Ground
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.lines import LEGEND_WIDTH, LOOK_COLUMNS
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
-from pwsviz.figures.orbit_lines import alongside_columns, curve_columns, fitted, step_columns, thin_shares
+from pwsviz.figures.orbit_lines import (
+    alongside_columns,
+    curve_columns,
+    fitted,
+    selected_shares,
+    starts_of_thin,
+    step_columns,
+    thin_shares,
+)
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
     assign,
@@ -69,6 +77,9 @@ for (const range of ranges) { range.have_updated_interactively = false }
 
 END_SIZE = 15
 """Diameter in pixels of the mark of an end: wide enough that two runs which end at one place do not look joined."""
+
+POINTED_WIDTH = 4.0
+"""Width in pixels of a curve of another start while the pointer is on it."""
 
 STEP_SIZE = 4.5
 """Diameter in pixels of the dot at the end of a step."""
@@ -171,8 +182,12 @@ class PortraitView:
         plot = self.figure
         columns = ("xs", "ys", *LOOK_COLUMNS, "width", "stroke")
         looks: dict[str, Any] = {"line_color": "colour", "line_width": "width", "line_join": "round"}
-        self.others = ColumnDataSource({name: [] for name in columns})
-        self.beside = plot.add_glyph(self.others, MultiLine(line_alpha=OTHERS_ALPHA, line_dash="stroke", **looks))
+        self.others = ColumnDataSource({name: [] for name in (*columns, "start")})
+        pointed = MultiLine(**{**looks, "line_width": POINTED_WIDTH})
+        thin = MultiLine(line_alpha=OTHERS_ALPHA, line_dash="stroke", **looks)
+        self.beside = plot.add_glyph(self.others, thin, hover_glyph=pointed)
+        where: dict[str, Any] = {"attachment": "horizontal", "point_policy": "follow_mouse", "limit": 1}
+        plot.add_tools(tips([("@method", "start @start")], renderers=[self.beside], visible=False, **where))
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.add_glyph(self.orbits, MultiLine(line_dash="stroke", **looks))
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
@@ -323,9 +338,10 @@ class PortraitView:
         """
         self._name(system, pictures.plane)
         view = self._visible or self.frame
-        self.orbits.data = curve_columns(pictures.orbits, view)
+        self.orbits.data = curve_columns(pictures.orbits, view, selected_shares(pictures))
         self._show_methods()
-        assign(self.others, **curve_columns(pictures.thin, view, thin_shares(pictures)))
+        thin = curve_columns(pictures.thin, view, thin_shares(pictures))
+        assign(self.others, **thin, start=starts_of_thin(pictures))
         marked = crossing_columns(pictures.numbered, pictures.inputs.index + 1)
         self.marks.name(marked)
         assign(self.crossings, **marked)
@@ -398,8 +414,8 @@ class PortraitView:
     def _fit_curves(self, pictures: Pictures) -> None:
         """Give the curves the widths and strokes that suit the view, without sending the curves."""
         view = self._visible or self.frame
-        thin = thin_shares(pictures)
-        for source, orbits, shares in ((self.orbits, pictures.orbits, []), (self.others, pictures.thin, thin)):
+        strong, thin = selected_shares(pictures), thin_shares(pictures)
+        for source, orbits, shares in ((self.orbits, pictures.orbits, strong), (self.others, pictures.thin, thin)):
             for name, column in fitted(orbits, view, shares).items():
                 if len(column) == len(source.data[name]) and column != list(source.data[name]):
                     source.patch({name: list(enumerate(column))})

@@ -14,7 +14,8 @@ import core
 from core.transition.status import CROSSING_KINDS
 from pwsviz.figures.framing import OTHERS, extent
 from pwsviz.figures.marks import KIND_MARKERS
-from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.orbit_lines import STRONG, starts_of_thin
+from pwsviz.figures.portrait import POINTED_WIDTH, PortraitView
 from pwsviz.geometry.phase_plane import backdrop
 from pwsviz.geometry.plane import XY
 from pwsviz.geometry.window import Window
@@ -295,3 +296,23 @@ def test_the_legend_says_which_ends_lie_outside_the_view():
     assert set(view.ends.data["label"]) == {f"{name}, out of view"}
     view.look_at(Window(x - 1, x + 2, y - 1, y + 2))
     assert set(view.ends.data["label"]) == {name}
+
+
+def test_a_curve_of_another_start_tells_its_number_and_the_selected_one_is_strong():
+    view = Watched()
+    view.draw(tuple((0.1 * k - 1.0, -1.0) for k in range(9)), 3, t_end=2.0)
+    numbers = [1, 2, 3, 5, 6, 7, 8, 9]
+    assert list(view.others.data["start"]) == [number for number in numbers for _ in ("dmm2", "rk2")]
+    assert min(view.orbits.data["width"]) == pytest.approx(STRONG)
+    hover = next(tool for tool in view.figure.tools if getattr(tool, "renderers", None) == [view.beside])
+    assert "start @start" in hover.tooltips
+    assert view.beside.hover_glyph.line_width == POINTED_WIDTH > max(view.others.data["width"])
+
+
+def test_curves_of_bodies_alongside_tell_the_numbers_of_their_starts():
+    scene = Scene(system="three_bodies", methods=["rk4"])
+    scene.place(scene.starts[0])
+    pictures = Results().pictures(PortraitInputs.of(scene))
+    assert pictures.alongside
+    assert starts_of_thin(pictures) == [1] + [2, 1] * len(pictures.alongside)
+    assert len(starts_of_thin(pictures)) == len(pictures.thin)
