@@ -6,9 +6,16 @@ from bokeh.events import MouseEnter
 from bokeh.models import ColumnDataSource, CustomJS
 from bokeh.plotting import figure
 
-__all__ = ["GESTURES", "attach_gestures"]
+from pwsviz.text.numbers import PRINTED
 
-GESTURES = """
+__all__ = ["GESTURES", "MOVING_KEYS", "attach_gestures"]
+
+MOVING_KEYS = "Shift+ArrowLeft Shift+ArrowRight Shift+ArrowUp Shift+ArrowDown"
+"""The keys that move the selected start, for screen readers."""
+
+GESTURES = (
+    PRINTED
+    + """
 const view = cb_context.index.find_one(plot)
 const ground = view?.canvas_view.events_el
 if (ground == null || ground.dataset.gestures) { return }
@@ -155,8 +162,47 @@ starts.connect(starts.properties.data.change, () => {  // the server's answer ma
 const NO_TEXT = ["range", "checkbox", "radio", "button", "submit"]
 const typing = node => node.isContentEditable || ["TEXTAREA", "SELECT"].includes(node.tagName)
   || node.tagName == "INPUT" && !NO_TEXT.includes(node.type)
+const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, 1], ArrowUp: [0, -1] }
+const STEP = 0.02, FINE = 0.1  // of the shorter side of the frame, and of that
+const RESTS = 400              // milliseconds without a key after which a start has been moved
+let moving = null              // the star that keys are moving
+let resting = 0
+const arrive = () => {
+  const { index } = moving
+  tell_moved("drop")
+  moving = null
+  const { below, left } = view.model
+  const at = [[below[0].axis_label, starts.data.x[index]], [left[0].axis_label, starts.data.y[index]]]
+    .map(([name, value]) => `${name} = ${printed(String(Number(value.toPrecision(4))))}`)
+  const detail = `Start ${index + 1} moved to ${at.join(", ")}.`
+  document.dispatchEvent(new CustomEvent("seen", { detail }))
+}
+const tell_moved = act => {
+  say(act, moving.index, moving.x, moving.y)
+  dropped = { ...moving, count: hand.data.count[0] }
+}
+const move = (key, fine) => {
+  const index = starts.data.chosen.indexOf(true), { bbox, x_scale, y_scale } = view.frame
+  if (index < 0) { return }
+  const by = Math.min(bbox.width, bbox.height) * STEP * (fine ? FINE : 1)
+  const [dx, dy] = MOVES[key], [sx, sy] = screen(index)
+  const within = (value, low, high) => Math.min(Math.max(value, low), high)
+  const x = dx == 0 ? starts.data.x[index] : x_scale.invert(within(sx + dx * by, bbox.left, bbox.right))
+  const y = dy == 0 ? starts.data.y[index] : y_scale.invert(within(sy + dy * by, bbox.top, bbox.bottom))
+  moving = { index, x, y }
+  put(moving)
+  tell_moved("drag")
+  clearTimeout(resting)
+  resting = setTimeout(arrive, RESTS)
+}
 const keydown = event => {
   if (!ground.isConnected) { return document.removeEventListener("keydown", keydown) }  // the figure has been rebuilt
+  if (event.shiftKey && event.key in MOVES && !event.altKey && held == null) {
+    const path = event.composedPath()
+    if (path.some(typing) || !path.includes(view.el)) { return }
+    event.preventDefault()
+    return move(event.key, event.ctrlKey || event.metaKey)
+  }
   if (event.key != "Delete" && event.key != "Backspace" || event.repeat || held != null) { return }
   const path = event.composedPath()
   if (path.some(typing) || !(pointed || path[0] == ground)) { return }
@@ -165,7 +211,9 @@ const keydown = event => {
 }
 document.addEventListener("keydown", keydown)
 """
-"""JavaScript that handles gestures beginning on a star before the tools of the figure, which handle all others."""
+)
+"""JavaScript that handles the keys of the stars, and gestures that begin on one before the tools of the figure, which
+handle all others."""
 
 
 def attach_gestures(plot: figure, starts: ColumnDataSource) -> ColumnDataSource:

@@ -61,6 +61,7 @@ for (const range of [view.model.x_range, view.model.y_range]) {
 el.addEventListener("keydown", event => {
   if (event.ctrlKey || event.altKey || event.metaKey) { return }
   const { key } = event
+  if (event.shiftKey && key in MOVES) { return }  // in the portrait these move a start
   if (FITS.includes(key)) {
     view.reset()
   } else if (key in MOVES || key in ZOOMS) {

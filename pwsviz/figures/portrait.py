@@ -21,7 +21,7 @@ import core
 from pwsviz.figures.colours import AMBER, GREY, GROUND, VERMILION
 from pwsviz.figures.crowding import Marks
 from pwsviz.figures.framing import extent, power_of_ten
-from pwsviz.figures.gestures import attach_gestures
+from pwsviz.figures.gestures import MOVING_KEYS, attach_gestures
 from pwsviz.figures.ground import Ground
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.lines import LEGEND_WIDTH, LOOK_COLUMNS
@@ -174,6 +174,8 @@ class PortraitView:
             active_scroll="wheel_zoom",
         )
         plot.grid.visible = False
+        keys = f"{plot.html_attributes['aria-keyshortcuts']} {MOVING_KEYS}"
+        plot.html_attributes = {**plot.html_attributes, "aria-keyshortcuts": keys}
         for reset in (tool for tool in plot.tools if isinstance(tool, ResetTool)):
             reset.description = "Fit to the trajectories (double-click)"
         return plot

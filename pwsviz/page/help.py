@@ -119,6 +119,8 @@ _KEYS = {
     "Ctrl+Z, Ctrl+Y": "undo, redo",
     "Tab, arrow keys, Enter": "go through the controls, choose, press",
     "Arrow keys, + and −, 0": "pan, zoom and refit the figure that has keyboard focus",
+    "Shift+arrow keys": "move the selected start, with the keyboard focus on the portrait; with Ctrl in finer steps. "
+    "The button + beside “Starts” adds one",
     "Space": "play or pause the animation while it is open; in the lecture mode, also open it",
     "L": "lecture mode, as the button above: full screen and large type, fewer words; Esc leaves it",
     "Ctrl+wheel": "zoom a figure around the pointer; the wheel alone scrolls the page",

@@ -8,7 +8,7 @@ import pytest
 
 from pwsviz.figures.colours import ON_DARK
 from pwsviz.widgets.browser import NARROW
-from tests.browser.looking import THEME, UNPRINTED, await_built, await_painted, field, moments, type_into
+from tests.browser.looking import THEME, UNPRINTED, await_built, await_painted, becomes, field, moments, type_into
 
 sync_api = pytest.importorskip("playwright.sync_api")
 
@@ -238,6 +238,36 @@ def test_a_figure_is_reached_by_tab_and_moved_zoomed_and_fitted_by_keys(visit, n
     assert page.evaluate(ENDS, name) == pytest.approx(before, nan_ok=True)
     page.keyboard.press("Tab")
     assert focused(page) != figure.get_attribute("aria-label"), "no trap"
+
+
+STARTS = """() => {
+    const documents = Bokeh.documents, models = documents.flatMap(one => [...one._all_models.values()])
+    return models.find(model => model.data != null && "crowd" in model.data)
+}"""
+"""The source of the stars."""
+
+
+def test_the_selected_start_is_moved_by_keys_and_told_where_it_is(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    figure, before = page.get_by_role("application", name="Phase portrait"), page.evaluate(ENDS, "Phase portrait")
+    source = page.evaluate_handle(STARTS)
+    start = lambda: source.evaluate("({ data: { x, y } }) => [x[0], y[0]]")  # noqa: E731
+    figure.focus()
+    x, y = start()
+    page.keyboard.press("Shift+ArrowRight")
+    moved = start()
+    assert (moved[0] > x, moved[1]) == (True, y)
+    page.keyboard.press("Control+Shift+ArrowRight")
+    assert start()[0] - moved[0] == pytest.approx(0.1 * (moved[0] - x), abs=1e-3), "the server rounds to a pixel"
+    page.keyboard.press("Shift+ArrowUp")
+    assert start()[1] - y == pytest.approx(moved[0] - x, abs=1e-3), "at equal scales"
+    page.get_by_text(re.compile("Start 1 moved to x = ")).wait_for(state="attached")
+    typed = field(page, "initial x")
+    assert becomes(page, lambda: float(typed.input_value().replace("−", "-")) == pytest.approx(start()[0], abs=1e-3))
+    assert page.evaluate(ENDS, "Phase portrait")[:2] == pytest.approx(before[:2]), "the view stays"
+    page.keyboard.press("Control+z")
+    assert becomes(page, lambda: start() == pytest.approx([x, y])), "a series of keys is one change"
 
 
 def test_the_first_stop_leads_to_the_portrait(visit):
