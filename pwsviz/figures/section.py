@@ -39,7 +39,6 @@ from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_plane import coordinate_label, in_first_turn, surface_curves
 from pwsviz.geometry.window import Window
-from pwsviz.results.resting import ROUND_OFF
 from pwsviz.results.sections import SectionPoints, SectionPortion
 
 __all__ = ["START_COLOURS", "SectionView"]
@@ -158,7 +157,7 @@ class SectionView:
         self._key = key
         self._make(outcome, axes, return_map)
         points = [one for _, made in self._made for one in made]
-        self.cloud.show(points, ROUND_OFF * _size(outcome), self._closed_surface)
+        self.cloud.show(points, outcome.noise, self._closed_surface)
         self._number(outcome, axes, return_map)
         self._trace_surface()
 
@@ -225,12 +224,6 @@ class SectionView:
             x[source.start], y[source.start] = (float(_coordinate(system, source, k)[0]) for k in axes)
             colours[source.start] = START_COLOURS[int(_kinds(source, len(surfaces))[0])]
         assign(self.firsts, **{**self.firsts.data, "x": x, "y": y, "colour": colours})
-
-
-def _size(outcome: SectionPoints) -> float:
-    """Return the largest |number| of the starts and the points, by which round-off is told."""
-    parts = (np.array(outcome.inputs.starts), *(portion.x for portion in outcome.portions))
-    return max(float(np.abs(part).max(initial=0.0)) for part in parts)
 
 
 def _surfaces(outcome: SectionPoints) -> list[str]:

@@ -16,6 +16,7 @@ from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints
 from pwsviz.scene.names import met_at_surfaces, readable
 from pwsviz.text.advice import on_page
+from pwsviz.text.numbers import printed
 from pwsviz.text.words import at_surface, listed, plural
 
 __all__ = ["section_how", "section_rows", "section_text", "section_warnings", "surface_words"]
@@ -53,7 +54,16 @@ def section_text(outcome: SectionPoints) -> str:
     after = reset_words(inputs.problem.declaration, inputs.of)
     whose = f" of {len(counts)} starts" if len(counts) > 1 else ""
     words = [f"{plural(sum(counts), 'point')}{whose} on {surface_words(inputs)}{after}; {_integrated(outcome)}."]
-    return " ".join([*words, *_short_ones(outcome)])
+    return " ".join([*words, *_short_ones(outcome), *_same_ones(outcome)])
+
+
+def _same_ones(outcome: SectionPoints) -> Iterator[str]:
+    """Yield of which starts the points are the same, up to errors, below which the axes show no differences."""
+    same = [k for k in range(len(outcome.statuses)) if k not in outcome.at_rest and outcome.is_one_point(k)]
+    if same:
+        of = f" of {_called(same).lower()}" * (len(outcome.statuses) > 1)
+        each = ", each by itself," * (len(same) > 1)
+        yield printed(f"All points{of} are the same{each} up to errors (differences below {outcome.noise:.0e}).")
 
 
 def section_warnings(outcome: SectionPoints) -> list[str]:

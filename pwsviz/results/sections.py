@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 from typing import Any
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 import core
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.section_plane import in_first_turn
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.resting import ROUND_OFF, first_at_rest
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
@@ -83,6 +85,28 @@ class SectionPoints:
         """Indices of the starts whose runs ended before they had all their points."""
         counts, most = self.counts, self.inputs.points
         return tuple(k for k, status in enumerate(self.statuses) if status is not None and counts[k] < most)
+
+    @property
+    def noise(self) -> float:
+        """Difference of two points that may be one of errors alone: of rounding, or of steps within the tolerance.
+
+        Roundings of many steps add up as the square root of their number; they, and those of a time in the laws, are
+        relative to the largest number on the way.
+        """
+        system, tolerance = self.inputs.problem.declaration, self.inputs.scheme.tolerance
+        parts = [np.array(self.inputs.starts), *(portion.x for portion in self.portions)]
+        size = max(float(np.abs(part).max(initial=0.0)) for part in parts)
+        shown = [in_first_turn(system, k, part[:, k]) for part in parts for k in range(system.dimension)]
+        drawn = max(float(np.abs(column).max(initial=0.0)) for column in shown)
+        steps = max(self.ends, default=0.0) / self.inputs.tau
+        each = 2 * float(np.finfo(float).eps) * math.sqrt(max(steps, 0.0)) if tolerance is None else tolerance
+        return max(ROUND_OFF * size, each * drawn)
+
+    def is_one_point(self, k: int) -> bool:
+        """Whether the points of a start differ by no more than errors may."""
+        x, system = self.of_start(k).x, self.inputs.problem.declaration
+        columns = [in_first_turn(system, j, x[:, j]) for j in range(system.dimension)]
+        return len(x) > 1 and all(np.ptp(column) <= self.noise for column in columns)
 
     def of_start(self, k: int) -> SectionPortion:
         """Return all points of one start as one portion."""

@@ -11,6 +11,7 @@ from core import Status
 from pwsviz.figures.section import START_COLOURS, SectionView
 from pwsviz.figures.section_text import section_how, section_rows, section_text
 from pwsviz.results.requests import SectionInputs
+from pwsviz.results.results import Results
 from pwsviz.results.sections import SectionPoints, SectionPortion
 from pwsviz.scene.checks import MAX_STARTS
 from pwsviz.scene.scene import Scene
@@ -181,3 +182,20 @@ def test_a_closed_surface_is_seen_whole_unless_it_is_far_larger_than_what_the_po
     view.show(SectionPoints(inputs, (found,), (Status.CROSSING_LIMIT,), (7.5,)), (0, 1), False)
     across, up = (view.cloud.corners.data[name] for name in "xy")
     assert (min(across) <= -radius and max(across) >= radius and max(up) >= radius) is whole
+
+
+def test_the_axes_show_no_differences_that_errors_alone_may_make(view):
+    """Of Chua’s circuit, at a limit cycle that meets the surface once a loop upwards."""
+    for method, tau in (("taylor", 1.0), ("rk8", 0.05)):
+        scene = Scene(system="chua", methods=[method], section_of="x - 1.5", section_direction=1)
+        for name, number in {"values.alpha": 8.1, "tau": tau, "section_points": 400, "section_discard": 400}.items():
+            scene.accept(name, number)
+        found = Results().section(SectionInputs.of_scene(scene))
+        x = found.of_start(0).x
+        assert 0 < np.ptp(x, axis=0).max() <= found.noise < 1e-11
+        view.show(found, (1, 2), False)
+        (left, right), (low, high) = (view.cloud.corners.data[name] for name in "xy")
+        assert min(right - left, high - low) > 0.1, "not as narrow as round-off"
+        assert "All points are the same up to errors (differences below" in section_text(found)
+    other = Results().section(SectionInputs.of_scene(Scene(section_points=50)))
+    assert "the same" not in section_text(other), "a closed orbit meets the surface in several points"
