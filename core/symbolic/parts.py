@@ -72,7 +72,10 @@ class Region:
 
 @dataclass(frozen=True)
 class Transition:
-    """A way out of a region: where its guard, positive inside, falls to zero."""
+    """A way out of a region: where its guard, positive inside, falls to zero.
+
+    A region that is entered where a guard of it is negative is left by that guard at once, with its jump.
+    """
 
     mode: str
     """Key of the region that it ends."""
