@@ -235,15 +235,15 @@ def _least(values: Floats) -> float:
     return float(known.min()) if known.size else math.nan
 
 
-_SECOND = "a second crossing within the step cannot be excluded"
+_SECOND = ", below which the theory excludes a second crossing within a step"
 _UNSOLVED = (
-    "beyond it the theory does not guarantee that the step {} the surface has a unique solution; the bound is "
+    ": beyond it the theory does not guarantee that the step {} the surface has a unique solution; the bound is "
     "sufficient, not necessary, and depends on the units of the variables"
 )
-#: Bounds on τ: field of `Constants`, name in a warning, and what may happen beyond it.
+#: Bounds on τ: field of `Constants`, name in a warning, and what holds below it, or may happen beyond it.
 _BOUNDS = (
-    ("window", "the window without a second crossing, alpha^2/M", _SECOND),
-    ("window_hat", "the discrete window without one, alpha_hat^2/M_hat", _SECOND),
+    ("window", "alpha^2/M", _SECOND),
+    ("window_hat", "alpha_hat^2/M_hat", f"{_SECOND} of the scheme"),
     ("tau_minus", "the bound tau_-^*", _UNSOLVED.format("to")),
     ("tau_plus", "the bound tau_+^*", _UNSOLVED.format("from")),
 )
@@ -260,7 +260,7 @@ def _warnings(tau: float, t: Floats, constants: Constants) -> Iterator[str]:
             worst = rows[np.argmin(values[rows])]
             advice = f"take tau below {_round_down(values[worst]):.2g}"
             where = _place(t, rows, worst)
-            yield f"tau = {tau:.3g} exceeds {bound} = {values[worst]:.3g}{where}: {consequence}; {advice}"
+            yield f"tau = {tau:.3g} exceeds {bound} = {values[worst]:.3g}{where}{consequence}; {advice}"
 
 
 def _failures(tau: float, t: Floats, alpha_hat2: Floats) -> Iterator[str]:

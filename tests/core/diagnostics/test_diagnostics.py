@@ -310,8 +310,8 @@ def test_a_step_longer_than_the_window_is_warned_of():
     run = run_of(LINE, 6.0, 2.0)
     found = diagnose(run)
     assert found.warnings[0] == (
-        "tau = 2 exceeds the window without a second crossing, alpha^2/M = 1.6 at crossing 1 (t = 1.2, the worst of 2 "
-        "crossings): a second crossing within the step cannot be excluded; take tau below 1.6"
+        "tau = 2 exceeds alpha^2/M = 1.6 at crossing 1 (t = 1.2, the worst of 2 crossings), below which the theory "
+        "excludes a second crossing within a step; take tau below 1.6"
     )
     assert step_warning(run) == found.warnings[0] + "."
     assert "exceeds a bound" in found.summary
