@@ -70,7 +70,7 @@ _SAME = 2.0**-20
 _FLAT = 2.0**-26
 #: Both rates vanish at once if the other is below this part of what the first loses in a time as long as the slide, as
 #: where g = 0 crosses itself: there the rates are round-off of the state, and not of their own terms.
-_AT_ONCE = 2.0**-36
+_AT_ONCE = 2.0**-44
 
 
 @internal
