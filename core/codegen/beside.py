@@ -28,7 +28,8 @@ def lines_beside(
 ) -> list[str]:
     """Lines that move a place (t, x) to one beside it where the fields of some modes are 0/0 but have a limit.
 
-    The quotient of two small numbers that are right to the last digit is the limit, as that of sin(u)/u.
+    The quotient of two small numbers that are right to the last digit is the limit, as that of sin(u)/u. Coordinates are
+    all moved such that u grows: else their changes may cancel, as where each grows by the same part, and u is x − y.
 
     Parameters
     ----------
@@ -46,6 +47,12 @@ def lines_beside(
             place |= {v: (here + there) / 2 for (v, here), there in zip(moving.items(), others, strict=True)}
         for u in mode.zeros.removable:
             lines += [*assignments(["zero"], [u.xreplace(place)], temporaries), "if zero == 0.0:"]
-            moved = [v for symbol, v in moving.items() if symbol in u.free_symbols]
-            lines += [f"    {v} += abs({v}) * {BESIDE} + {_NEXT_TO_NOTHING}" for v in moved]
+            moved = [symbol for symbol in moving if symbol in u.free_symbols]
+            slopes = [f"slope{k}" for k in range(len(moved))]
+            slopes_of_u = [u.diff(symbol).xreplace(place) for symbol in moved]
+            inner = assignments(slopes, slopes_of_u, temporaries)  # first: all are those at the place itself
+            for symbol, slope in zip(moved, slopes, strict=True):
+                v = moving[symbol]
+                inner.append(f"{v} += (-1.0 if {slope} <= 0.0 else 1.0) * (abs({v}) * {BESIDE} + {_NEXT_TO_NOTHING})")
+            lines += [f"    {line}" for line in inner]
     return lines

@@ -165,8 +165,17 @@ class _Doubled:
             return self.product(above) if below == 1 else self.call("dd_div", self.product(above), self.product(below))
         if u.is_Pow:
             return self.power(u.base, u.exp)
+        if isinstance(u, magnitude):
+            return self.where(self.pair(u.args[0]), self.pair(-u.args[0]), self.pair(u.args[0]))
+        if isinstance(u, Choice):
+            return self.where(*map(self.pair, u.args))
         name = type(u).__name__
         return self.call(f"dd_{name}", self.pair(u.args[0]))
+
+    def where(self, far: Pair, near: Pair, other: Pair) -> Pair:
+        """One of two numbers where another is not positive, else the other one."""
+        condition = f"if {far[0]} <= 0.0 else"
+        return self.let(f"({near[0]} {condition} {other[0]})", f"({near[1] or 0.0} {condition} {other[1] or 0.0})")
 
     def product(self, u: Expr) -> Pair:
         total, *others = map(self.pair, sympy.Mul.make_args(u))

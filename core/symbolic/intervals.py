@@ -79,9 +79,13 @@ class Intervals:
         power = _widely_at_least(low ** abs(n), high ** abs(n), -np.inf if n % 2 == 1 else 0.0)
         return _reciprocal(power) if n < 0 else power
 
-    def call(self, name: str, argument: Interval) -> Interval:
-        """A function of the whitelist."""
-        low, high = argument.low, argument.high
+    def call(self, name: str, *arguments: Interval) -> Interval:
+        """A function, also of those with which laws are written near zeros."""
+        low, high = arguments[0].low, arguments[0].high
+        if name == "magnitude":
+            return Interval(*_sizes(low, high))
+        if name == "Choice":
+            return _chosen(*arguments)
         if name == "sin":
             return _sine(low, high)
         if name == "cos":
@@ -112,6 +116,16 @@ def _widely(low: Bounds, high: Bounds) -> Interval:
 def _widely_at_least(low: Bounds, high: Bounds, least: float) -> Interval:
     wide = _widely(low, high)
     return Interval(np.maximum(wide.low, least), wide.high)
+
+
+def _chosen(far: Interval, near: Interval, other: Interval) -> Interval:
+    """`near` where `far` is not positive, else `other`; where it may be either, what encloses both."""
+    first, second = far.high <= 0.0, far.low > 0.0
+    low, high = np.minimum(near.low, other.low), np.maximum(near.high, other.high)
+    return Interval(
+        np.where(first, near.low, np.where(second, other.low, low)),
+        np.where(first, near.high, np.where(second, other.high, high)),
+    )
 
 
 def _sizes(low: Bounds, high: Bounds) -> tuple[Bounds, Bounds]:

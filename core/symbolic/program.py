@@ -30,8 +30,8 @@ class Arithmetic(Protocol):
     def power(self, base: Any, exponent: Constant) -> Any:
         """The base to a constant power."""
 
-    def call(self, name: str, argument: Any) -> Any:
-        """A function of the whitelist, by its name."""
+    def call(self, name: str, *arguments: Any) -> Any:
+        """A function by its name: one of the whitelist, `near_zeros.magnitude` or `near_zeros.Choice`."""
 
 
 class Node(NamedTuple):
@@ -103,7 +103,7 @@ _ACTIONS: dict[str, Callable[[Arithmetic, Sequence[Any], Any, list[Any]], Any]] 
     "add": _added,
     "multiply": _multiplied,
     "power": lambda arithmetic, inputs, detail, values: arithmetic.power(values[0], detail),
-    "call": lambda arithmetic, inputs, detail, values: arithmetic.call(detail, values[0]),
+    "call": lambda arithmetic, inputs, detail, values: arithmetic.call(detail, *values),
 }
 
 
@@ -147,8 +147,11 @@ class Digits:
         power = self.number(exponent) if exponent.integer is None else exponent.integer
         return self.context.nan if base == 0 and power < 0 else self._real(base**power)
 
-    def call(self, name: str, argument: Any) -> Any:
-        """A function; nan where it is not real or not finite."""
+    def call(self, name: str, *arguments: Any) -> Any:
+        """A function; nan where it is not real or not finite. Of a choice, what needs many digits only."""
+        argument = arguments[-1]
+        if name in ("Choice", "magnitude"):
+            return argument if name == "Choice" else abs(argument)
         if name == "log" and argument == 0:
             return self.context.nan
         return self._real(getattr(self.context, name)(argument))
@@ -180,6 +183,9 @@ class Doubles:
         """A power; nan where it is not real."""
         return np.float64(base ** self.number(exponent))
 
-    def call(self, name: str, argument: np.float64) -> np.float64:
+    def call(self, name: str, *arguments: np.float64) -> np.float64:
         """A function."""
-        return np.float64(getattr(np, name)(argument))
+        if name == "Choice":
+            far, near, other = arguments
+            return near if far <= 0.0 else other
+        return np.float64(abs(arguments[0]) if name == "magnitude" else getattr(np, name)(arguments[0]))

@@ -54,6 +54,8 @@ RUNNING = int(Status.RUNNING)
 _NO_CONVERGENCE, _ESCAPED, _CONTRADICTION = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.CONTRADICTION)
 _GRAZING = int(Status.GRAZING)
 _ZENO = int(Status.ZENO)
+#: Length of the rest of a step in which sliding has ended, relative to the time, that is the rounding of its end.
+_REST = 2.0**-50
 #: Most modes in a row that end where they are entered.
 _LONGEST_CHAIN = 16
 
@@ -296,6 +298,8 @@ def advance(context, log, h):
     if found == TOUCH:
         run.own = 0.0  # the height turns at the surface: its rate is zero
     run.rest = asked - run.hit if run.adaptive == 0 else 0.0
+    if run.sliding == 1 and abs(run.rest) <= _REST * abs(t + run.hit):
+        run.rest = 0.0  # from the fold at which it leaves, so short a step leads by less than rounding, to either side
     run.final = run.final if run.adaptive == 0 else 0
     run.chain = 0
     return switch_mode(context, log, found)

@@ -69,7 +69,7 @@ def about(
         Writes the numbers of the scene, as `exact` or `brief`.
     """
     try:
-        link = f"{address}?{query(scene)}"
+        link = f"{address}?{query(scene, typed=False)}"
     except ValueError:  # too large for a link; its parts follow
         link = "none, the scene is too large"
     parts = {"program": release(), "link": link, "scene": digest(scene)}

@@ -272,8 +272,8 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = Fals
     if system.laws.instants and shows_regions(system, axes):
         which = " or ".join(f"{readable(surface_texts(system)[k], system)} = 0" for k in sorted(system.laws.instants))
         sentences.append(
-            f"At the instants at which {which} the law changes in the whole plane at once; the regions are shown just "
-            f"after t = 0{animated}."
+            f"At the instants at which {which} {_changes(system)} in the whole plane at once; the regions are shown "
+            f"just after t = 0{animated}."
         )
     elif moves_curves(system) and shows_surface(system, axes):
         sentences.append(f"The surface moves with time; it and the regions are shown at t = 0{animated}.")
@@ -282,6 +282,14 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = Fals
     if system.dimension == PLANE and psi_names_time(system):
         sentences.append("ψ depends on time, so its level sets move and are not drawn.")
     return " ".join(sentences)
+
+
+def _changes(system: core.PiecewiseSystem) -> str:
+    """Return what happens at instants: the law changes, or all states jump, or both."""
+    laws = system.laws
+    alike = len({laws.mode(k).field for k in range(len(laws.regions))}) == 1
+    words = (*("the law changes",) * (not alike), *("every state jumps",) * laws.jumps)
+    return " and ".join(words) or "the law changes"
 
 
 def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:

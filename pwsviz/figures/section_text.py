@@ -29,7 +29,9 @@ def surface_words(inputs: SectionInputs) -> str:
     """Return where the points lie, as “S: g = 0, crossed in both directions”."""
     system = inputs.problem.declaration
     own = "S: g = 0" if system.two_sided else "all surfaces"
-    way = "met from one side only" if is_one_way(system, inputs.of) else _WAYS[inputs.direction]
+    at_instants = not inputs.of and len(system.laws.instants) == len(system.laws.surfaces)
+    one_way = "at every instant" if at_instants else "met from one side only"
+    way = one_way if is_one_way(system, inputs.of) else _WAYS[inputs.direction]
     if not inputs.of and inputs.scheme.slide and may_slide(system):
         way += ", or at which sliding begins"
     return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {way}"
@@ -38,7 +40,7 @@ def surface_words(inputs: SectionInputs) -> str:
 LATE = 0.9
 """Part of the time of a run before which its last point is worth a word."""
 
-_AT_REST = "the motion has come to rest; what remains is round-off"
+_AT_REST = "the motion has come to rest, up to round-off"
 """Of a start of which later points are left out."""
 
 

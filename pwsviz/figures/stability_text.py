@@ -77,7 +77,8 @@ def runs_drawn(study: core.StabilityStudy, part: str, method: str) -> str:
         if limits is not None:
             last = ", at the largest τ tried," * (not limits.reason[study.methods.index(method)])
             mark = f"; the diamond{last} is for {start} and runs{_until(study, limits)}"
-        return f"each cell is a run of {method} to t = {study.t_span[1]:.6g}, or to one side of crossings near it{mark}"
+        to = f"t = {study.t_span[1]:.6g}, or to a time clear of nearby crossings"
+        return f"each cell is one run of {method} to {to}{mark}"
     if part == "drift" and study.drift is not None:
         tau, steps = study.drift.tau, study.drift.steps
         return f"integrated by {methods} with step size τ = {tau:.6g} to t = {steps * tau:,.6g}"

@@ -137,7 +137,9 @@ class ExportDialog(pn.viewable.Viewer):
         """
         self._address = address
         try:
-            self.link.param.update(value=f"{address}?{query(self.scene)}", error_state=False, helper_text="")
+            self.link.param.update(
+                value=f"{address}?{query(self.scene, typed=False)}", error_state=False, helper_text=""
+            )
         except ValueError as reason:
             self.link.param.update(value="", error_state=True, helper_text=str(reason))
         program = escape(snippet(self.scene, self._program()))

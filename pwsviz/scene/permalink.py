@@ -60,8 +60,13 @@ _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 # Writing -------------------------------------------------------------------------------------------------------------
 
 
-def query(scene: Scene) -> str:
+def query(scene: Scene, *, typed: bool = True) -> str:
     """Return the link of a scene, without the “?”.
+
+    Parameters
+    ----------
+    typed
+        Whether it keeps a system of the user's own beside another one that is shown: a reload would lose it.
 
     Raises
     ------
@@ -73,7 +78,7 @@ def query(scene: Scene) -> str:
     def differs(key: str) -> bool:
         if key in ("tau", "t_end") and scene.system == OWN:
             return True  # what a reader would propose may change
-        kept = key == "own" or _matters(scene, key)  # beside another system, too: a reload would lose what was typed
+        kept = (typed and key == "own") or _matters(scene, key)
         return kept and _text(scene, key) != _text(usual, key)
 
     for key in filter(differs, _FIRST):  # lazily: the defaults depend on the settings before

@@ -254,7 +254,7 @@ def _sections() -> tuple[Preset, ...]:
     return (
         Preset(
             "henon_heiles_section", "Poincaré section of the Hénon–Heiles system", "",
-            "Orbits of energy 1/8 at x = 0: islands in a chaotic sea, as without the wall: the potential is even in x.",
+            "At energy 1/8 islands lie in a chaotic sea. The wall changes nothing: the potential is even in x.",
             "Click on the section: orbits of the same energy. Zoom into the edge of an island.",
             {
                 **settings, "system": "henon_heiles", "values": {"wall": 0.0}, "t_end": 40.0,

@@ -215,7 +215,8 @@ class SectionTab(LongTab):
         on = f" nearby, on {of}" if curved else f" there{f', on {of}' * several}"
         note = f" {listed(turns)} {'is' if len(turns) == 1 else 'are'} shown modulo 2π." if turns else ""
         at = ", at t = 0" if over_time else ""
-        return f"A click starts a trajectory{on}{at}. {FIRST_POINTS}{note}"
+        starts = "sets a state at t = 0" if self._at_instants() else f"starts a trajectory{on}{at}"
+        return f"A click {starts}. {FIRST_POINTS}{note}"
 
     def table(self) -> Table | None:
         """Return a row for each point."""
@@ -269,9 +270,14 @@ class SectionTab(LongTab):
         state = ", ".join(f"{name} = {value:.6g}" for name, value in zip(names, found.x, strict=True))
         hidden = [name for k, name in enumerate(names) if k not in given]
         taken = f"; {listed(hidden)} from {listed(found.taken)}" if hidden and found.taken else ""
-        on = on_section(scene.build(), scene.section_of, found.x)
+        on = on_section(scene.build(), scene.section_of, found.x) or self._at_instants()
         elsewhere = "" if on else f" There {'h' if scene.section_of else 'g'} ≠ 0 at t = 0: its points lie elsewhere."
         self.note.object = as_text(f"Start {len(scene.starts)} at {state}{taken}.{elsewhere}", "about")
+
+    def _at_instants(self) -> bool:
+        """Whether points are the states at some instants, and no places are met by surfaces."""
+        laws = self.scene.declaration.laws
+        return not self.scene.section_of and len(laws.instants) == len(laws.surfaces)
 
     def _rounded(self, value: float, place: int) -> float:
         """Round a coordinate to about a pixel."""

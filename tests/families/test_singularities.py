@@ -231,7 +231,8 @@ def test_a_quotient_that_is_0_over_0_at_an_oblique_surface_has_its_limit_there(d
     value, limit = LIMITS[f]
     speed = lambda u: value(u) if abs(u) > 1e-9 else limit  # noqa: E731
     for rng in draws(2):
-        angle, offset = rng.uniform(0.0, 2.0 * np.pi), round(rng.uniform(-2.0, 2.0), int(rng.choice([1, 3, 15])))
+        angle, offset = rng.uniform(0.0, 2.0 * np.pi), round(rng.uniform(-2.0, 2.0), int(rng.choice([0, 1, 3, 15])))
+        offset *= float(rng.choice([0.0, 1.0]))
         a, b = (float(u) for u in (round(np.cos(angle), 3), round(np.sin(angle), 3)))
         g = f"({a!r}*x + ({b!r})*y - ({offset!r}))"
         # The distance u changes at the speed 2 + f/5 on one side, or on both, else at 2.

@@ -277,3 +277,30 @@ def test_a_field_that_turns_infinitely_slowly_ends_the_run(method, power):
     run = core.integrate(system, (0.0, 3.0), tau=0.01, method=method, sliding="continue")
     assert run.status is Status.GRAZING
     assert run.t[-1] == pytest.approx(2.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("method", ["rk2", "rk4", "rk8", "gauss4"])
+def test_a_slide_that_ends_at_the_end_of_a_step_is_left_from_there(method):
+    # The rate of the left field is k − t, and x = −(t − k)²/2 from t = k on, which many steps of 0.01 meet.
+    system = core.PiecewiseSystem(
+        "falls off", ("x", "y"), ("k - t", "1"), ("-1", "1"), "x", parameters={"k": 1.1}, x0=(-0.5, 0.0)
+    )
+    for k in np.arange(110, 200, 3) / 100:
+        run = core.integrate(system.with_parameters(k=k), (0.0, 4.0), tau=0.01, method=method, sliding="continue")
+        assert run.status is Status.COMPLETED, run.message
+        assert run.crossings.kind.tolist() == ["sliding", "leaving"]
+        assert run.x[-1, 0] == pytest.approx(-((4.0 - k) ** 2) / 2, abs=1e-12)
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8", "gauss4", "taylor"])
+def test_fields_that_are_0_over_0_on_the_surface_slide_by_their_limits(method):
+    u = "(x + 0.77*y - 0.68)"
+
+    def slide(quotient: str) -> core.Trajectory:
+        system = core.PiecewiseSystem("0/0", ("x", "y"), (f"y + {quotient}", "-x"), ("y", f"-x - {quotient}"), u)
+        settings = {} if method == "taylor" else {"tau": 0.01}
+        return core.integrate(system, (0.0, 3.0), (0.418, 0.915), method=method, sliding="continue", **settings)
+
+    run, limit = slide(f"sin({u})/{u}"), slide("1")
+    assert run.crossings.kind.tolist() == limit.crossings.kind.tolist() == ["sliding", "leaving"], run.message
+    assert run.crossings.x[1] == pytest.approx(limit.crossings.x[1], abs=1e-12)  # where a rate vanishes on the line

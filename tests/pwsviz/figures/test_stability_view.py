@@ -447,7 +447,7 @@ def test_captions_name_the_runs_of_a_part_and_when_these_end(study):
     assert runs_drawn(study, "drift", "rk2") == (
         f"integrated by dmm2 and rk2 with step size τ = {study.drift.tau:.6g} to t = {20_000 * study.drift.tau:,.6g}"
     )
-    assert runs_drawn(study, "map", "rk2").startswith("each cell is a run of rk2 to t = ")
+    assert runs_drawn(study, "map", "rk2").startswith("each cell is one run of rk2 to t = ")
     start = f"{study.coordinate_name} = {study.x0[study.coordinate]:.6g}".replace("-", "−")
     assert f"; the diamond is for {start} and runs to t = " in runs_drawn(study, "map", "rk2")
     limits = replace(study.largest_tau, beyond=np.array([np.nan, np.nan]))

@@ -226,3 +226,13 @@ def test_the_equations_stand_below_the_portrait_unless_they_are_long():
     assert "x<sup>3/2</sup>" in law_markup(rooted)
     assert "reset\xa0map\xa0at\xa0g\xa0=\xa00" in law_markup(core.CATALOGUE["bouncing_ball"])
     assert "The equations are in the tab Scheme." in law_markup(core.CATALOGUE["three_bodies"])
+
+
+@pytest.mark.parametrize(
+    ("plus", "jump", "words"),
+    [("-x", None, "the law changes in"), ("-x", ("x", "v + 0.5*x"), "every state jumps in"),
+     ("-2*x", ("x", "v + 0.5*x"), "the law changes and every state jumps in")],
+)  # fmt: skip
+def test_of_instants_it_is_said_what_happens_at_them(plus, jump, words):
+    system = core.PiecewiseSystem("Kicked", ("x", "v"), ("v", "-x"), ("v", plus), "sin(t)", jump=jump, x0=(1.0, 0.0))
+    assert f"At the instants at which sin(t) = 0 {words} the whole plane at once" in portrait_note(system, XY)
