@@ -28,8 +28,8 @@ def lines_beside(
 ) -> list[str]:
     """Lines that move a place (t, x) to one beside it where the fields of some modes are 0/0 but have a limit.
 
-    The quotient of two small numbers that are right to the last digit is the limit, as that of sin(u)/u. Coordinates
-    are moved such that u grows with each: else their changes may cancel, as where each grows by one part, and u is x − y.
+    The quotient of two small numbers that are right to the last digit is the limit, as that of sin(u)/u. Each
+    coordinate is moved such that u grows: changes by one part of each would cancel where u is x − y.
 
     Parameters
     ----------
