@@ -47,6 +47,8 @@ _LINES, _PLACES, _ZEROS = 24, 65, 6
 _REACH = 4.0
 #: Most corrections of a zero.
 _CORRECTIONS = 60
+#: Functions whose values lie between −1 and 1, and those that vanish where their argument does, alone.
+_BETWEEN_ONES, _LIKE_ARGUMENT = (sympy.sin, sympy.cos, sympy.tanh), (sympy.sinh, sympy.tanh)
 #: Number of operations beyond which a denominator is not factored, to save time.
 _LONG = 200
 
@@ -95,7 +97,7 @@ def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], en
     moving = {TIME, *variables}
     operations = dict.fromkeys(node for f in field for node in sympy.preorder_traversal(f))
     found = dict.fromkeys(u for node in operations for u in _vanishing(node) if u.free_symbols & moving)
-    changing = [u for u in found if not (_is_nonnegative(u) or _is_nonnegative(-u))]
+    changing = [u for u in found if not (_least(u) >= 0.0 or _least(-u) >= 0.0)]
     singular, removable = [], []
     for u in changing:
         there = list(_at_zeros(u, field, ends))
@@ -147,6 +149,9 @@ def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
     One that has no factors stays as it is written, so that rounding makes it zero where it makes the denominator zero:
     multiplied out, (t − 1)² + 10⁻¹⁶ vanishes to rounding near t = 1, and 3x + 5y where x/5 + y/3 does not.
     """
+    if isinstance(u, _LIKE_ARGUMENT):
+        yield from _factors(u.args[0], signed)
+        return
     if u.is_Mul and not signed:
         for v in u.args:
             yield from _factors(v, signed)
@@ -165,15 +170,22 @@ def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
             yield from _factors(base, signed=True)
 
 
-def _is_nonnegative(u: Expr) -> bool:
-    """Whether the form of an expression tells that it is not negative where it has a value."""
+def _least(u: Expr) -> float:
+    """A lower bound that the form of an expression tells, where it has a value; −∞ if it tells none."""
     if u.is_number:
-        return bool(u >= 0)
-    if u.is_Add or u.is_Mul:
-        return all(map(_is_nonnegative, u.args))
+        return float(u)
+    if u.is_Add:
+        return sum(map(_least, u.args))
+    if u.is_Mul:
+        number, rest = u.as_coeff_Mul()
+        if isinstance(rest, _BETWEEN_ONES):
+            return -abs(float(number))
+        return 0.0 if number > 0 and all(_least(v) >= 0.0 for v in sympy.Mul.make_args(rest)) else -math.inf
     if u.is_Pow:
-        return not u.exp.is_Integer or bool(u.exp % 2 == 0) or _is_nonnegative(u.base)
-    return isinstance(u, sympy.exp | sympy.cosh)
+        return 0.0 if not u.exp.is_Integer or u.exp % 2 == 0 or _least(u.base) >= 0.0 else -math.inf
+    if isinstance(u, _BETWEEN_ONES):
+        return -1.0
+    return {sympy.exp: 0.0, sympy.cosh: 1.0}.get(u.func, -math.inf)
 
 
 def _angle(u: Expr) -> Expr | None:
