@@ -218,12 +218,12 @@ def _at_present(found: Diagram, present: float, chosen: Diagram | None) -> str:
 
 def _repeats(found: Diagram, among: Diagram, value: float, at: str) -> str:
     """Say whether the points at a value repeat, which are `among` others, beside the height of all that are found."""
-    spread = [(part.y.min(), part.y.max()) for part in found.portions if len(part.y)]
-    height = max(high for _, high in spread) - min(low for low, _ in spread) or 1.0
     points = among.points_at(value)
     inputs = found.inputs
-    if len(points) < 2:
+    spread = [(part.y.min(), part.y.max()) for part in found.portions if len(part.y)]
+    if len(points) < 2 or not spread:  # at first only those of the chosen value may be there
         return ""
+    height = max(high for _, high in spread) - min(low for low, _ in spread) or 1.0
     if value in among.warned:
         return f"{at} no period is stated: the run is in doubt."
     if len(doubt := among.doubtful_beside(value)):

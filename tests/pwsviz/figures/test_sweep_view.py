@@ -93,6 +93,12 @@ def test_the_chosen_value_has_points_of_its_own_on_its_line():
     assert not len(view.chosen.data["x"])
 
 
+def test_no_period_is_told_of_a_chosen_value_before_others_have_points_beside_which_they_are_judged():
+    alone = diagram([LIMIT] * 7)
+    assert "the points have period 2" in sweep_text(alone, -3.0, alone)
+    assert sweep_text(diagram([TO_COME] * 7), -3.0, alone) == ""
+
+
 def test_strips_mark_the_values_whose_runs_end_early_and_are_never_empty():
     view = SweepView(print, print)
     view.show(MIXED)
