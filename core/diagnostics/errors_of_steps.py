@@ -140,7 +140,10 @@ class _Orbit:
         count = int(np.clip(_MOST_PIECES // max(len(t) - 1, 1), 1, _PIECES))
         parts = np.arange(count) / count
         times = t[:-1, None] + np.where(np.diff(segment) == 0, np.diff(t), 0.0)[:, None] * parts
-        states = self._at(times.ravel()).reshape(len(times), count, x.shape[1])
+        try:
+            states = self._at(times.ravel()).reshape(len(times), count, x.shape[1])
+        except ValueError:  # within a step there may be a place to which none leads: it stays straight
+            return t, x, segment
         states[:, 0] = x[:-1]
         states[np.diff(segment) != 0] = x[:-1][np.diff(segment) != 0, None]
         return (

@@ -138,3 +138,11 @@ def test_long_curved_steps_and_states_that_hardly_move_are_no_errors(law, start,
     """Chirps in steps of half a period, which are right to 1e-11, and a state that rests at 0 for most of its time."""
     system = core.PiecewiseSystem("Curved", ("x",), (law,), (law,), "x - 1e9", x0=(start,))
     assert core.integrate(system, (0.0, end), method="taylor").warning == ""
+
+
+def test_a_finer_run_that_is_not_known_within_each_of_its_steps_raises_no_error():
+    # Beside the surface that moves, where the field is 0/0, some shorter step of the finer run has no solution.
+    g = "x - 0.83*sin(t)"
+    law = f"-x + 0.3*((exp({g}) - 1)/({g}))"
+    system = core.PiecewiseSystem("moving", ("x", "y"), ("y", "-x"), ("y", law), g, x0=(1.3, 0.2))
+    assert core.integrate(system, (0.0, 5.0), tau=0.005, method="rk8").message
