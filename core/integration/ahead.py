@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from enum import Enum
-
 import numpy as np
 from sympy import Expr
 
+from core.integration.explained import Explained
 from core.integration.recorded import Point
 from core.kernels.arrays import Floats
 from core.symbolic.singularities import BESIDE
@@ -32,7 +31,7 @@ _VANISHES = 0.02
 _FARTHER, _GROWS = 16.0, 1.02
 
 
-class Ahead(Enum):
+class Ahead(Explained):
     """Why no step leads on; each with what to do about it."""
 
     JUMP_OF_G = (
@@ -49,16 +48,6 @@ class Ahead(Enum):
         "the field is not bounded at the surface where this step begins",
         "No step can begin there, however small: take variables in which the field is bounded, or end the run before.",
     )
-
-    @property
-    def reason(self) -> str:
-        """Why the run ends, in plain words."""
-        return str(self.value[0])
-
-    @property
-    def advice(self) -> str:
-        """What to do about it."""
-        return str(self.value[1])
 
 
 def what_is_ahead(system: PiecewiseSystem, last: Point, step: float) -> Ahead | None:

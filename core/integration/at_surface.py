@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from enum import Enum
-
 import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr
 
 from core.codegen.rounding import rounding_bound
+from core.integration.explained import Explained
 from core.integration.recorded import Point
 from core.kernels.arrays import Floats
 from core.symbolic.expressions import TIME
@@ -23,7 +22,7 @@ _ROUNDING = 16.0 * float(np.finfo(float).eps)
 _MULTIPLE = 4.0
 
 
-class AtSurface(Enum):
+class AtSurface(Explained):
     """Why the laws do not tell where to go on from a surface; each with what to do about it."""
 
     MULTIPLE = (
@@ -46,16 +45,6 @@ class AtSurface(Enum):
         "the state is on the surface, where all fields vanish, and rests there",
         "For a solution that moves, start elsewhere.",
     )
-
-    @property
-    def reason(self) -> str:
-        """Why the run ends, in plain words."""
-        return str(self.value[0])
-
-    @property
-    def advice(self) -> str:
-        """What to do about it."""
-        return str(self.value[1])
 
 
 def at_surface(system: PiecewiseSystem, last: Point, *, forward: bool) -> AtSurface | None:
