@@ -62,7 +62,11 @@ if (button.onclick == null) {
   for (const kind of ["pointerdown", "mousedown", "touchstart"]) {
     button.addEventListener(kind, event => event.stopPropagation())  // no gesture of the figure
   }
-  new MutationObserver(fold).observe(grid, { childList: true })
+  const make = own._render_items  // Bokeh measures the entries as soon as it has made them
+  own._render_items = () => {
+    make.call(own)
+    fold()
+  }
   fold()
 }
 """

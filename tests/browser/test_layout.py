@@ -363,6 +363,23 @@ def test_a_figure_has_just_as_much_room_for_its_legend_as_that_needs(visit):
         assert becomes(page, lambda page=page: page.evaluate(ROOM) == [0, 0]), page.evaluate(ROOM)
 
 
+MADE_ANEW = """() => {
+    const view = Bokeh.index.query_one(view => view.model.type == "Legend"), before = view.bbox.height
+    view._render_items()
+    view.update_position()
+    return [before, view.bbox.height]
+}"""
+"""Heights of the first legend, as its figure knows them, before and after its entries are made anew."""
+
+
+def test_a_figure_keeps_its_height_when_the_entries_of_its_legend_are_made_anew(visit):
+    page = visit(1400, 900)
+    await_painted(page, "Phase portrait")
+    page.get_by_role("button", name="more entries of the legend").wait_for()
+    before, after = page.evaluate(MADE_ANEW)
+    assert after == before, "entries that are folded take no room"
+
+
 KEYS = """() => {
     const view = Bokeh.index.query_one(view => view.model.type == "Legend")
     const marked = ({canvas}) => {
