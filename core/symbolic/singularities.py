@@ -156,14 +156,14 @@ def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
         for v in u.args:
             yield from _factors(v, signed)
         return
-    powers: list[tuple[Expr, Expr]] = []
-    numerator = u
+    numerator, denominator, powers = u, sympy.S.One, []
     if u.count_ops() <= _LONG:
-        numerator = sympy.fraction(together(u.replace(sympy.tan, lambda v: sympy.sin(v) / sympy.cos(v))))[0]
+        numerator, denominator = sympy.fraction(together(u.replace(sympy.tan, lambda v: sympy.sin(v) / sympy.cos(v))))
         powers = _polynomial_factors(numerator)
-        if [n for _, n in powers] == [1] and u.is_polynomial():
-            powers = [(u, sympy.S.One)]
-    for base, exponent in powers or [v.as_base_exp() for v in sympy.Mul.make_args(numerator)]:
+    powers = [(v, n) for v, n in powers or map(Expr.as_base_exp, sympy.Mul.make_args(numerator)) if not v.is_number]
+    if denominator.is_number and [n for _, n in powers] == [1]:
+        powers = [(u, sympy.S.One)]
+    for base, exponent in powers:
         if exponent.is_Integer and exponent > 0 and not (signed and exponent % 2):
             yield base
         elif exponent.is_number and exponent > 0 and not exponent.is_Integer:
