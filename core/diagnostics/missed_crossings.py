@@ -21,6 +21,8 @@ __all__ = ["hides", "too_long_for_g"]
 _MARGIN = 3.0
 #: Height below zero at an end of a step, as part of its largest size in it: a perturbation has put the state there.
 _BEHIND = 2.0**-40
+#: Bounds on rounding this many times the usual one within a step tell of a root or of 0/0, and not of an error there.
+_UNUSUAL = 2.0**20
 #: Largest error of a height or its rate, in units of the first-order bound on its rounding.
 _ROUNDINGS = 16.0 * 2.0**-52
 
@@ -99,7 +101,8 @@ class _Heights(NamedTuple):
         places, g, noise = self.places, self.g, self.noise
         with np.errstate(all="ignore"):
             behind = (g[:, [0, -1]] < -_BEHIND * np.abs(g).max(axis=1, keepdims=True)).any(axis=1)
-            nothing = (np.abs(self.rate) <= self.noise_of_rate) & (self.noise_of_rate < np.inf)  # at a root no bound
+            usual = np.median(self.noise_of_rate, axis=1, keepdims=True)
+            nothing = (np.abs(self.rate) <= self.noise_of_rate) & (self.noise_of_rate <= _UNUSUAL * usual)
             rate = np.where(nothing, 0.0, self.rate)
             dips = between & _may_dip(np.diff(places), g, rate)
             hidden = np.asarray((g <= -noise)[:, 1:-1].any(axis=1) | dips.any(axis=1))
