@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+import sympy
 from sympy import Expr, Symbol
 
 from core.codegen.printing import assignments
+from core.codegen.rounding import rounding_bound
 from core.symbolic.expressions import TIME
 from core.symbolic.mode import Mode
 from core.symbolic.singularities import BESIDE
@@ -16,6 +18,9 @@ __all__ = ["lines_beside"]
 #: Distance from a zero at which a field is evaluated in place of it where time and state vanish: its powers do not
 #: underflow.
 _NEXT_TO_NOTHING = 2.0**-200
+#: A zero is one within this many times the first-order bound on its rounding: a field may add its terms in another
+#: order.
+_ROUNDINGS = 4.0 * 2.0**-52
 
 
 def lines_beside(
@@ -28,7 +33,8 @@ def lines_beside(
 ) -> list[str]:
     """Lines that move a place (t, x) to one beside it where the fields of some modes are 0/0 but have a limit.
 
-    The quotient of two small numbers that are right to the last digit is the limit, as that of sin(u)/u. Each
+    The quotient of two small numbers that are right to the last digit is the limit, as that of sin(u)/u; of two that
+    are round-off it is not. Each
     coordinate is moved such that u grows: changes by one part of each would cancel where u is x − y.
 
     Parameters
@@ -45,8 +51,10 @@ def lines_beside(
         if start is not None:
             others = (start[0], *start[1])
             place |= {v: (here + there) / 2 for (v, here), there in zip(moving.items(), others, strict=True)}
-        for u in mode.zeros.removable:
-            lines += [*assignments(["zero"], [u.xreplace(place)], temporaries), "if zero == 0.0:"]
+        for u in (*mode.zeros.removable, *mode.zeros.rounded):
+            noise = sympy.Float(_ROUNDINGS) * rounding_bound(u, of_symbols=False)
+            values = [v.xreplace(place) for v in (u, noise)]
+            lines += [*assignments(["zero", "noise"], values, temporaries), "if abs(zero) <= noise:"]
             moved = [symbol for symbol in moving if symbol in u.free_symbols]
             slopes = [f"slope{k}" for k in range(len(moved))]
             slopes_of_u = [u.diff(symbol).xreplace(place) for symbol in moved]

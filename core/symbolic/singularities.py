@@ -84,6 +84,8 @@ class Zeros(NamedTuple):
     """Expressions near whose zeros it is bounded, but loses its digits unless it is evaluated by a series."""
     noisy: tuple[Expr, ...]
     """The same, where no series is found."""
+    rounded: tuple[Expr, ...]
+    """Denominators with the factors `removable`, as they are written: they may vanish by rounding alone."""
 
 
 def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], ends: Ends) -> Zeros:
@@ -96,38 +98,55 @@ def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], en
     """
     moving = {TIME, *variables}
     operations = dict.fromkeys(node for f in field for node in sympy.preorder_traversal(f))
-    found = dict.fromkeys(u for node in operations for u in _vanishing(node) if u.free_symbols & moving)
-    changing = [u for u in found if not (_least(u) >= 0.0 or _least(-u) >= 0.0)]
+    found = dict.fromkeys(u for node in operations for u in _vanishing(node) if u.zero.free_symbols & moving)
+    changing = dict.fromkeys(u for u, _ in found if not (_least(u) >= 0.0 or _least(-u) >= 0.0))
     singular, removable = [], []
     for u in changing:
         there = list(_at_zeros(u, field, ends))
         if not _is_singular(there, ends):
             if not any(growth > _GROWN for growth, _ in there):  # else the mode has ended before
-                removable.append(u)
+                removable += [v for v in found if v.zero == u]
             continue
-        origins = (
-            [v for v in _factors(u.args[0], signed=False) if v.free_symbols & moving] if u.func == sympy.sin else []
-        )
-        regular = bool(origins) and not any(is_singular(v, field, ends) for v in origins)
+        origins = [*_factors(u.args[0], signed=False)] if u.func == sympy.sin else []
+        origins = [v for v in origins if v.zero.free_symbols & moving]
+        regular = bool(origins) and not any(is_singular(v, field, ends) for v, _ in origins)
         singular.append(Singularity(u, _angle(u), regular))
         removable += origins if regular else []
-    steady = [u for u in removable if _keeps_digits(u, field, field)]
-    near: list[Expr] = []
-    noisy: list[Expr] = []
-    written = tuple(field)
-    for u in removable:
-        if u not in steady:
-            new = tuple(written_near(f, [u]) for f in written)
-            right = _keeps_digits(u, field, new)
-            (near if right else noisy).append(u)
-            written = new if right else written
-    return Zeros(tuple(singular), tuple(steady), tuple(near), tuple(noisy))
+    return _evaluated(tuple(singular), removable, field)
 
 
-def _vanishing(node: Expr) -> Iterator[Expr]:
+def _evaluated(singular: tuple[Singularity, ...], removable: Sequence[_Factor], field: Sequence[Expr]) -> Zeros:
+    """Tell how a field is evaluated at zeros where it is bounded: beside them, by series near them, or not at all."""
+    ways: dict[Expr, list[Expr]] = {}
+    for u, written in removable:
+        ways.setdefault(u, [u]).append(written)
+    steady = [u for u in ways if _keeps_digits(u, field, field)]
+    near, noisy, best = [], [], tuple(field)
+    for u in (u for u in ways if u not in steady):
+        for way in dict.fromkeys(ways[u]):
+            new = tuple(written_near(f, [way]) for f in best)
+            if _keeps_digits(u, field, new):
+                near.append(way)
+                best = new
+                break
+        else:
+            noisy.append(u)
+    rounded = dict.fromkeys(way for u in steady for way in ways[u] if way not in steady)
+    return Zeros(singular, tuple(steady), tuple(near), tuple(noisy), tuple(rounded))
+
+
+class _Factor(NamedTuple):
+    """A factor of a denominator, or of a logarithm's argument."""
+
+    zero: Expr
+    written: Expr
+    """What vanishes with it, as it is written: its rounded value may be zero where that of the factor is not."""
+
+
+def _vanishing(node: Expr) -> Iterator[_Factor]:
     """Expressions at whose zeros an operation is not bounded, though it has values on both sides."""
     if isinstance(node, sympy.tan):
-        yield sympy.cos(node.args[0])
+        yield _Factor(sympy.cos(node.args[0]), sympy.cos(node.args[0]))
     elif isinstance(node, sympy.log):
         yield from _factors(node.args[0], signed=True)
     elif node.is_Pow and node.exp.is_number and node.exp < 0:
@@ -143,7 +162,7 @@ def _polynomial_factors(u: Expr) -> list[tuple[Expr, Expr]]:
     return [(v, sympy.Integer(n)) for v, n in found]
 
 
-def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
+def _factors(u: Expr, signed: bool) -> Iterator[_Factor]:
     """Factors of an expression without their powers; where its sign counts, as under a root, those of even powers.
 
     One that has no factors stays as it is written, so that rounding makes it zero where it makes the denominator zero:
@@ -165,7 +184,7 @@ def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
         powers = [(u, sympy.S.One)]
     for base, exponent in powers:
         if exponent.is_Integer and exponent > 0 and not (signed and exponent % 2):
-            yield base
+            yield _Factor(base, u)
         elif exponent.is_number and exponent > 0 and not exponent.is_Integer:
             yield from _factors(base, signed=True)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import sympy
 from scipy.integrate import quad
 
 import core
@@ -248,6 +249,35 @@ def test_a_quotient_that_is_0_over_0_at_an_oblique_surface_has_its_limit_there(d
             assert run.status is Status.COMPLETED, f"{method}: {g}, {sides}: {run.message}"
             reached = a * run.x[-1, 0] + b * run.x[-1, 1] - offset
             assert abs(reached - 0.4) < TRUNCATION.get(method, 1e-6), f"{method}: {g}, {sides}: {reached}"
+
+
+@pytest.mark.parametrize("f", LIMITS)
+def test_a_quotient_that_is_0_over_0_at_a_moving_surface_has_its_limit_there(draws, f):
+    value, limit = LIMITS[f]
+    time = sympy.Symbol("t")
+    for rng in draws(1):
+        a, b = (round(rng.uniform(0.3, 0.9), 2) for _ in "ab")
+        ways = (
+            f"{a}*sin(t)",
+            f"{a}*tan({b}*sin(t))",
+            f"{a}/(2 + cos(t))",
+            f"{a}*exp({b}*sin(t))",
+            f"{a}*sqrt(1 + {b}*t)",
+        )
+        place = sympy.sympify(str(rng.choice(ways)), {"t": time})
+        # The distance u from the surface x = c(t) changes at the speed 2 + f/5, or 2 beyond it.
+        g, moved = f"(x - {place})", f"({place.diff(time)})"
+        system = core.PiecewiseSystem(
+            "Limit", ("x",), (f"{moved} + 2 + 0.2*({f.format(u=g)})",), (f"{moved} + 2",), g,
+            parameters={"b": 0.8}, x0=(float(place.subs(time, 0.0)) - 0.5,),
+        )  # fmt: skip
+        inverse = lambda u: 1.0 / (2.0 + 0.2 * (value(u) if abs(u) > 1e-9 else limit))  # noqa: E731
+        end = quad(inverse, -0.5, 0.0, epsabs=1e-12)[0] + 0.2
+        for method in _PLAIN:
+            run = core.integrate(system, (0.0, end), method=method, **({} if method == "taylor" else {"tau": 0.02}))
+            assert run.status is Status.COMPLETED, f"{method}: {system.f_minus}, {g}: {run.message}"
+            reached = run.x[-1, 0] - float(place.subs(time, end))
+            assert abs(reached - 0.4) < TRUNCATION.get(method, 1e-6), f"{method}: {system.f_minus}: {reached}"
 
 
 def pulled_to_the_surface(rng: np.random.Generator, power: float) -> tuple[core.PiecewiseSystem, float]:
