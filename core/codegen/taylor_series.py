@@ -61,11 +61,13 @@ def series_code(laws: Laws, mode: Mode) -> SeriesCode:
         For a function without a recurrence.
     """
     names = Names(laws)
-    plain = _recurrences(names, mode)
-    if mode.expanded is mode:
+    plain = _recurrences(names, mode.written)
+    if mode.expanded is mode.written:
         return plain
     series, shared = _recurrences(names, mode.expanded), len(names.unpack)
     choices = {v for u in (*mode.expanded.field, *mode.expanded.heights) for v in u.atoms(Choice)}
+    if not choices:
+        return series
     near = sorted({f"{printed(v.args[0].xreplace(names.symbols))} <= 0.0" for v in choices})
     parts = [[f"    {line}" for line in code.lines[shared:]] for code in (series, plain)]
     lines = [*names.unpack, f"if {' or '.join(near)}:", *parts[0], "else:", *parts[1]]

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import sympy
 from sympy import Expr, Symbol
 
-from core.symbolic.algebra import factor
+from core.symbolic.algebra import factor, together
 from core.symbolic.power_series import LONGEST, NoSeries, Series, SeriesIn
 
 __all__ = ["Choice", "magnitude", "written_near"]
@@ -69,9 +69,21 @@ _W = Symbol("displacement from a zero")
 def written_near(u: Expr, zeros: Iterable[Expr]) -> Expr:
     """Write an expression such that it keeps its digits near the zeros of others, where a way is found."""
     for zero in zeros:
+        u = _without_poles(u, zero)
         ways = (reduce(lambda v, place: _Rewritten(place).of(v), places, u) for places in _places(zero))
         u = next((v for v in ways if v != u), u)
     return u
+
+
+def _without_poles(u: Expr, zero: Expr) -> Expr:
+    """Write the tangents that have poles at a zero of a cosine as quotients: 1/tan(v) is cos(v)/sin(v)."""
+    if not isinstance(zero, sympy.cos):
+        return u
+    (angle,) = zero.args
+    quotients = u.xreplace({sympy.tan(angle): sympy.sin(angle) / zero})
+    return quotients.replace(
+        lambda v: v.is_Pow and v.base.is_Add and v.base.has(zero), lambda v: together(v.base) ** v.exp
+    )
 
 
 def _places(zero: Expr) -> Iterator[list[_Place]]:

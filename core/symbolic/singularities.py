@@ -120,9 +120,12 @@ def _evaluated(singular: tuple[Singularity, ...], removable: Sequence[_Factor], 
     ways: dict[Expr, list[Expr]] = {}
     for u, written in removable:
         ways.setdefault(u, [u]).append(written)
-    steady = [u for u in ways if _keeps_digits(u, field, field)]
-    near, noisy, best = [], [], tuple(field)
-    for u in (u for u in ways if u not in steady):
+    poles = {sympy.cos(v.args[0]) for f in field for v in f.atoms(sympy.tan)}  # of which 1/tan(v) makes zeros
+    steady = [u for u in ways if u not in poles and _keeps_digits(u, field, field)]
+    near: list[Expr] = []
+    noisy: list[Expr] = []
+    best = tuple(field)
+    for u in [u for u in ways if u not in steady]:
         for way in dict.fromkeys(ways[u]):
             new = tuple(written_near(f, [way]) for f in best)
             if _keeps_digits(u, field, new):
@@ -130,7 +133,7 @@ def _evaluated(singular: tuple[Singularity, ...], removable: Sequence[_Factor], 
                 best = new
                 break
         else:
-            noisy.append(u)
+            (steady if _keeps_digits(u, field, best) else noisy).append(u)
     rounded = dict.fromkeys(way for u in steady for way in ways[u] if way not in steady)
     return Zeros(singular, tuple(steady), tuple(near), tuple(noisy), tuple(rounded))
 

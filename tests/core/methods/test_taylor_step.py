@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import core
 from core import Status
@@ -173,3 +174,16 @@ def test_a_power_whose_exponent_is_a_parameter_that_is_zero_is_one_also_where_it
         ]  # fmt: skip
         assert runs[0].status is core.Status.COMPLETED
         np.testing.assert_allclose(runs[0].x[-1], runs[1].x[-1], rtol=1e-12)
+
+
+@pytest.mark.parametrize("beside", [1e-12, -1e-6, 1e-3])
+def test_a_step_from_beside_the_pole_of_a_tangent_is_as_long_as_others_where_the_field_has_none(beside):
+    f = ("1/tan(x) + tan(x)/(1 + tan(x)**2)",)
+    system = core.PiecewiseSystem("Tangents", ("x",), f, f, "x - 100", x0=(np.pi / 2 + beside,))
+    run = core.integrate(system, (0.0, 0.2), method="taylor")
+    assert len(run.t) <= 3
+    assert not run.warning
+    exact = solve_ivp(
+        lambda t, x: 1.0 / np.tan(x) + np.sin(x) * np.cos(x), (0.0, 0.2), system.x0, rtol=1e-12, atol=1e-15
+    )
+    assert abs(run.x[-1, 0] - exact.y[0, -1]) < 1e-12
