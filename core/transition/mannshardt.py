@@ -76,6 +76,8 @@ def land(context, log, t):
         run.hit += run.shift
     if run.tried != run.hit and not abs(try_step(context, t, run.hit)) < math.inf:
         return False
+    if not write_end(context) < math.inf:
+        return False
     for i in range(x.size):
         place[i] = x[i]
     accept_step(context)

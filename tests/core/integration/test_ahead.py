@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 import core
@@ -27,6 +28,14 @@ def test_a_field_that_is_not_bounded_at_the_surface_entered_is_told(term, method
     assert run.status is Status.SINGULAR, run.message
     assert run.t[-1] == pytest.approx(0.5, abs=1e-12)
     assert "the field is not bounded at the surface where this step begins" in run.message
+
+
+@pytest.mark.parametrize("term", ["log((x - 1)**2)", "y*log((x - 1)**2)"])
+def test_no_state_is_recorded_where_a_stage_of_the_step_to_the_surface_is_not_finite(term):
+    system = core.PiecewiseSystem("log", ("x", "y"), ("1", f"0.2 + {term}"), ("1", "0.2"), "x - 1", x0=(0.3, 0.2))
+    run = core.integrate(system, (0.0, 1.0), method="rk4", tau=0.01)  # its last stage is at the end
+    assert run.status is Status.SINGULAR, run.message
+    assert np.isfinite(run.x).all()
 
 
 @pytest.mark.parametrize("method", METHODS)
