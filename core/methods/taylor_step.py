@@ -49,7 +49,7 @@ def _series(laws: Laws, mode: Mode) -> SeriesCode:
 @lru_cache(maxsize=256)
 def coefficient_rows(laws: Laws, modes: tuple[int, ...]) -> int:
     """Number of rows of coefficients that a step of any of these modes, given by their numbers, needs."""
-    return max(_series(laws, laws.mode(number)).rows for number in modes)
+    return max(_series(laws, laws.mode(number).written).rows for number in modes)
 
 
 def prepare_step_text(laws: Laws, mode: Mode) -> str:

@@ -128,8 +128,8 @@ def examine_guard(context, k, sign):
     if (run.at >> k) & 1 == 1:
         if run.follow == 1 or run.crossings == 0:
             set_guard(w, k, sign, 0.0, max(run.own, 0.0), 1.0)
-        else:  # the surface has been stepped over
-            set_guard(w, k, sign, height, run.own, 0.0)
+        else:  # the surface has been stepped over; after a jump on it, the state is behind it
+            set_guard(w, k, sign, height, run.own, 1.0 if run.jumped == 1 and run.own > 0.0 else 0.0)
         return _RUNNING
     if (run.near >> k) & 1 == 1:  # a jump on this surface has led across another one
         if run.own > 0.0:

@@ -11,7 +11,20 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DELAY, G_END, GUARDS, HEIGHT, KEPT, PROJECT, SINGULAR_FROM, SINGULAR_LENGTH, G, call
+from core.kernels.abi import (
+    DELAY,
+    G_END,
+    GUARDS,
+    HEIGHT,
+    KEPT,
+    LEAVING,
+    PROJECT,
+    RATE_END,
+    SINGULAR_FROM,
+    SINGULAR_LENGTH,
+    G,
+    call,
+)
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
@@ -108,9 +121,9 @@ def land(context, log, t):
 def step_over(context, log, t, h):
     """Without a transition: accept the step, and switch modes at its end if a guard has changed sign."""
     run, x, w, place = context.run, context.x, context.w, context.place
-    look_at_first_passed(run, w)
+    passed = look_at_first_passed(run, w)
     height, rate = height_at_end(context), rate_at_end(context)
-    if height <= 0.0:  # the fields are compared where the chord of the step meets the surface
+    if passed:  # the fields are compared where the chord of the step meets the surface
         part = chord_to_zero(run.height, height)
         for i in range(x.size):
             place[i] = x[i] + part * context.increment[i]
@@ -121,10 +134,10 @@ def step_over(context, log, t, h):
     accept_step(context)
     advance_time(run, h)
     run.height, run.rate, run.chain, run.taken = height, rate, 0, h
-    if height > 0.0:
-        run.leaving = 0
-        return RUNNING
-    return switch_mode(context, log, FOUND)
+    if passed:
+        return switch_mode(context, log, FOUND)
+    run.leaving = 0 if height > 0.0 else run.leaving
+    return RUNNING
 
 
 @inlined
@@ -135,15 +148,24 @@ def chord_to_zero(height, end):
 
 @internal
 def look_at_first_passed(run, w):
-    """Look at the guard that the chord of the step passes first, if any is not positive at its end."""
-    first, least = 0, math.inf
+    """Look at the guard that the chord of the step passes first; returns whether it passes any.
+
+    One behind which the state has been put, as by a jump at a wall after a step through it, is not passed on the way
+    back.
+    """
+    passed, first, least = False, 0, math.inf
     for k in range(run.guards):
         kept = GUARDS + KEPT * k
-        height = run.height if k == run.guard else w[kept + HEIGHT]
-        end = run.sign * w[G_END + 2 * k] if k == run.guard else end_of_guard(run, w, k)[0]
-        if end <= 0.0 and chord_to_zero(height, end) < least:
-            first, least = k, chord_to_zero(height, end)
+        if k == run.guard:
+            height, leaving = run.height, run.leaving
+            end, rate = run.sign * w[G_END + 2 * k], math.copysign(1.0, run.tau) * (run.sign * w[RATE_END + 2 * k])
+        else:
+            height, leaving = w[kept + HEIGHT], int(w[kept + LEAVING])
+            end, rate = end_of_guard(run, w, k)
+        if end <= 0.0 and not (leaving == 1 and rate > 0.0) and chord_to_zero(height, end) < least:
+            passed, first, least = True, k, chord_to_zero(height, end)
     look_at(run, w, first)
+    return passed
 
 
 @internal

@@ -139,9 +139,9 @@ def is_at_corner(context):
 def jump(context):
     """Jump, and find where the fields lead from there: status, kind, row of the mode entered, and the rate into it.
 
-    If the declared jump leads from the surface to the surface and the run has landed on it, the sign of g after the
-    jump is round-off, and the fields decide. Otherwise the sign of g decides, unless g is within rounding of zero. A
-    one-way guard leads to its mode from wherever the jump has led.
+    If the declared jump leads from the surface to the surface, the sign of g after the jump tells nothing: it is
+    round-off, or the state was beside the surface before. The fields decide. Otherwise the sign of g decides, unless g
+    is within rounding of zero. A one-way guard leads to its mode from wherever the jump has led.
     """
     run, x, w = context.run, context.x, context.w
     row = run.row + run.guard
@@ -150,8 +150,7 @@ def jump(context):
     for i in range(x.size):
         x[i], context.carry[i] = context.place[i], 0.0
     into_minus, into_plus = evaluate_rates(context, row, run.t)
-    landed = run.follow == 1 and run.shift == 0.0
-    run.leaving = 1 if (landed and guard.jump == JUMP_TO_SURFACE) or is_on_surface(context) else 0
+    run.leaving = 1 if guard.jump == JUMP_TO_SURFACE or is_on_surface(context) else 0
     if guard.to == NO_MODE:  # a wall: no law is declared beyond
         into_here = into_plus if run.sign > 0 else into_minus
         if run.leaving == 0:
