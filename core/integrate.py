@@ -107,7 +107,8 @@ def integrate(
         Numbers of crossings and of steps after which the run stops. Where not given: 5·10⁶ crossings, or 10⁹ with
         record="end"; 10⁷ steps where every step is recorded, else 10⁹.
     envelope
-        Number of equal parts of the time span for each of which the least and the greatest error of ψ are kept. The
+        Number of equal parts of the time span, at most 10⁷, for each of which the least and the greatest error of ψ
+        are kept. The
         loop takes them at every step, for a run of any length, and whatever is recorded.
     cancel
         Called every few milliseconds; the run stops when it returns True. An exception that it raises ends the run and
@@ -163,7 +164,7 @@ def integrate(
         chosen, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel,
         sliding, checked_events(system, events), max_events, checked_region(system, region),
     )  # fmt: skip
-    columns = 0 if envelope is None else count(envelope, "envelope")
+    columns = 0 if envelope is None else count(envelope, "envelope", _MAX_ROWS)
     runner = Runner(system, chosen, t0, start, settings, columns)
     sampler = None if times is None or not times.size else Sampler(runner, chosen, times)
     record_steps = sampler is not None or (times is None and record == "steps")

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from core.diagnostics.kept_at_zero import with_units_of_others
 from core.diagnostics.resolution import RUNS_AWAY
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
@@ -116,7 +117,7 @@ def _grown(run: Trajectory, times: Floats) -> _Growth:
             break
         x = base.x
         low, high = np.minimum(low, x), np.maximum(high, x)
-        size = _range(low, high)
+        size = with_units_of_others(run, _range(low, high))
         error, by = _propagated(other, t, x, error, size)
         other.release()
         factor = max(1.0, factor * by)

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from core.diagnostics.kept_at_zero import with_units_of_others
 from core.diagnostics.made_again import anew
 from core.diagnostics.resolution import RUNS_AWAY, resolvable
 from core.diagnostics.slow_passes import SlowPasses
@@ -89,8 +90,9 @@ def _astray(run: Trajectory, finer: Trajectory) -> tuple[float, bool] | None:
     # Where the solution grows without bound, its range so far; else that of all.
     low, high = (one[rows if run.status in RUNS_AWAY else [last] * len(rows)] for one in (low, high))
     moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
+    units = with_units_of_others(run, np.where(moves, high - low, np.inf))
     orbit, shift, before = _Orbit(finer), 0.0, run.t[0]
-    for k, size in zip(rows.tolist(), np.where(moves, high - low, np.inf), strict=True):
+    for k, size in zip(rows.tolist(), units, strict=True):
         t = float(run.t[k])
         around = (0.0 if forced else _SHIFT * abs(t - before)) + (0.0 if forced and not jumps else 2.0 * finer.tau)
         if forced and not jumps and k == last and _apart_at(finer, t, run.x[k], size):

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from core.diagnostics.departures import noise
 from core.diagnostics.examined_steps import NEAR, Steps
+from core.diagnostics.kept_at_zero import with_units_of_others
 from core.kernels.arrays import Floats
 
 __all__ = ["too_long_for_the_order"]
@@ -78,7 +79,7 @@ def _largest(steps: Steps) -> tuple[NDArray[np.intp], _Largest]:
     whole, halves = _end(steps, 1), _end(steps, 2)
     with np.errstate(all="ignore"):
         unit = np.nanmax(np.abs(halves - steps.x), axis=0, initial=0.0)
-        unit = np.where(unit > 0.0, unit, np.inf)
+        unit = with_units_of_others(steps.run, np.where(unit > 0.0, unit, np.inf))
         error = np.nan_to_num((np.abs(whole - halves) / unit).max(axis=1), nan=0.0, posinf=0.0)
     rows = np.argsort(-error, kind="stable")[:_MOST]
     rows = rows[error[rows] > max(_OF_ALL * steps.run.steps * float(np.median(error)), _LEAST)]

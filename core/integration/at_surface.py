@@ -82,7 +82,8 @@ def _has_multiple_zero(system: PiecewiseSystem, last: Point, mode: int, g: Expr)
     if not 0.0 < largest < np.inf:
         return largest == 0.0
     direction = slope / largest
-    return float(direction @ slope) ** 2 <= _MULTIPLE * abs(float(direction @ bend @ direction)) * max(height, noise)
+    curvature, depth = abs(float(direction @ (bend / largest) @ direction)), max(height, noise) / largest
+    return float(direction @ direction) ** 2 <= _MULTIPLE * curvature * depth
 
 
 def _known(
