@@ -22,9 +22,12 @@ LABELS = 1.1
 REST = "calc(9.8rem + var(--header, 52px) - 52px)"
 """CSS height that a figure leaves free on the screen, for the header, the player and the results of two integrators."""
 
-TOLD, TOLD_OF_RUNS = 0.14, 0.36
-"""Part of the height of the screen that a figure leaves free for what is told below it, at most; less a view, of which
-the first words are in sight, and the others scroll: its figure comes first."""
+TOLD, TOLD_OF_RUNS = 0.5, 0.36
+"""Part of the height of the screen that a figure leaves free for what is told below it, at most."""
+
+LEAST, LEAST_PART = 326, 0.4
+"""Pixels, and part of the height of the screen, that the frame of the figure of a view has whatever is told below it:
+of that, whole paragraphs and rows of tables are in sight, and the others scroll."""
 
 PLAYER = 40
 """Height of the player in pixels, for which `REST` leaves room, too: the portrait stays as it is when that opens.
@@ -114,6 +117,40 @@ export function render({ model }) {
     while (element && !isPanel(element)) { element = element.parentElement ?? element.getRootNode().host }
     return element
   }
+  const scrolled = element => {
+    let sum = 0
+    for (; element; element = element.parentElement ?? element.getRootNode().host) { sum += element.scrollTop }
+    return sum
+  }
+  const parts_in = function* (root) {  // paragraphs and rows of tables, in the order of the page
+    for (const element of root.querySelectorAll("*")) {
+      if (element.matches("p, tr") && element.checkVisibility()) { yield element }
+      if (element.shadowRoot) { yield* parts_in(element.shadowRoot) }
+    }
+  }
+  // Of what is told below a figure, the height of as many whole parts as fit; of lines, if the first is too long.
+  const whole = (panel, bottom, free) => {
+    let told = 0
+    for (const part of parts_in(panel)) {
+      const { top, bottom: end, height } = part.getBoundingClientRect()
+      if (height == 0 || top < bottom - 1) { continue }
+      if (end - bottom > free) {
+        const line = parseFloat(getComputedStyle(part).lineHeight) || height
+        return told || Math.max(1, Math.floor((free - top + bottom) / line)) * line + top - bottom
+      }
+      told = end - bottom
+    }
+    return told
+  }
+  const tells = new Map()  // panel of a view -> pixels that its figure leaves free
+  const tell = (panel, bottom, frame) => {
+    const before = tells.get(panel) ?? 0
+    const room = innerHeight - bottom - scrolled(panel)
+    const spare = Math.floor(frame - Math.max(LEAST, LEAST_PART * innerHeight))
+    const told = Math.max(0, Math.min(before + whole(panel, bottom, room + spare) - room, TOLD * innerHeight))
+    tells.set(panel, told)
+    return told
+  }
   // Controls above a figure, a long legend, and what is told below take its room: words of warning are in sight.
   const fit = () => {
     const found = new Map()
@@ -124,16 +161,20 @@ export function render({ model }) {
       if (all.height == 0) { continue }  // a narrow screen has its parts in another order
       const longer = parseFloat(getComputedStyle(view.el).getPropertyValue("--legend")) || 0
       if (view.layout?.bbox.height != view.bbox.height) { view.request_layout(true) }  // Bokeh overlooks it at times
-      const { above = Infinity, below = Infinity } = found.get(panel) ?? {}
-      found.set(panel, { above: Math.min(above, top - all.top + longer), below: Math.min(below, all.bottom - bottom) })
+      const { above = Infinity, below = Infinity, frame = 0 } = found.get(panel) ?? {}
+      found.set(panel, {
+        above: Math.min(above, top - all.top + longer), below: Math.min(below, all.bottom - bottom),
+        frame: frame + view.frame.bbox.height,
+      })
     }
     const lines = LINES * parseFloat(getComputedStyle(root).fontSize)
-    for (const [panel, { above, below }] of found) {
+    for (const [panel, { above, below, frame }] of found) {
       fitted.add(panel)
-      const of_runs = panel.classList.contains("portrait")
-      const [part, player] = of_runs ? [OF_RUNS, model.plays ? PLAYER : 0] : [TOLD, 0]
-      const told = Math.max(0, Math.min(below - player, part * innerHeight) - lines)
-      panel.style.setProperty("--above", `${Math.round(above + told - (of_runs ? 0 : PLAYER))}px`)
+      const of_runs = panel.classList.contains("portrait"), player = model.plays ? PLAYER : 0
+      const room = of_runs
+        ? above + Math.max(0, Math.min(below - player, OF_RUNS * innerHeight) - lines)
+        : above + tell(panel, panel.getBoundingClientRect().bottom - below, frame) - PLAYER
+      panel.style.setProperty("--above", `${Math.round(room)}px`)
     }
   }
   const turn = on => {
@@ -154,6 +195,7 @@ export function render({ model }) {
       root.style.fontSize = ""
       for (const name of ["--law", "--warned", "--line"]) { root.style.removeProperty(name) }
       for (const panel of fitted) { panel.style.removeProperty("--above") }
+      tells.clear()
       if (document.fullscreenElement) document.exitFullscreen()
     }
   }
@@ -188,6 +230,8 @@ export function render({ model }) {
         .replace("HIGH", str(ROOMY[1]))
         .replace("LOOK_AGAIN", str(LOOK_AGAIN))
         .replace("OF_RUNS", str(TOLD_OF_RUNS))
+        .replace("LEAST_PART", str(LEAST_PART))
+        .replace("LEAST", str(LEAST))
         .replace("TOLD", str(TOLD))
         .replace("PLAYER", str(PLAYER))
         .replace("LINES", str(LINES))

@@ -143,3 +143,41 @@ def test_in_a_small_lecture_a_warning_of_a_view_is_whole(visit):
         page, lambda: page.evaluate("document.documentElement.style.getPropertyValue('--warned')") == "nowrap"
     )
     assert warning.evaluate("one => getComputedStyle(one).whiteSpace") == "normal", "it scrolls into sight"
+
+
+TOLD = """() => {
+    const figure = [...Bokeh.index.query(one => one.model.type == "Figure" && one.el.checkVisibility())].at(-1)
+    const floor = figure.el.getBoundingClientRect().bottom, found = []
+    const walk = root => root.querySelectorAll("*").forEach(one => {
+        if (one.shadowRoot) { walk(one.shadowRoot) }
+        if (!one.matches("p, tr") || !one.checkVisibility()) { return }
+        const {left, top, bottom, height} = one.getBoundingClientRect()
+        if (height && top >= floor - 1 && left > innerWidth / 2 - 20) { found.push([one.tagName, top, bottom]) }
+    })
+    walk(document)
+    return found
+}"""
+"""The paragraphs and rows told below the figure of the view: what each is, where it begins and where it ends."""
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("size", [SMALL, (1024, 768)])
+@pytest.mark.parametrize(("view", "rows"), [("conserved", 0), ("cost", 4), ("stability", 3)])
+def test_in_a_small_lecture_no_paragraph_and_no_table_ends_at_the_edge_of_the_screen(visit, size, view, rows):
+    page = visit(*size, query=f"v=2&view={view}")
+    await_painted(page, "Phase portrait")
+    page.keyboard.press("l")
+    page.wait_for_function(BEGUN, arg=True)
+
+    def is_whole():
+        told = page.evaluate(TOLD)
+        cut = [one for one in told if one[1] < size[1] - 5 and one[2] > size[1] + 1]
+        seen = [what for what, _, end in told if end <= size[1] + 1]
+        return told and not cut and seen.count("TR") >= rows and (rows or "P" in seen)
+
+    assert becomes(page, is_whole), page.evaluate(TOLD)
+    page.wait_for_timeout(1500)
+    assert is_whole(), "it stays so"
+    assert page.evaluate(VIEW)[0] >= 324, "the figure keeps nearly half the height"
+    ends = [tab.bounding_box() for tab in page.get_by_role("tab").all()]
+    assert max(one["x"] + one["width"] for one in ends) <= size[0], "and all titles are in sight"
