@@ -49,7 +49,9 @@ seen.timer_ ??= setTimeout(() => {
   const [x, y] = ranges, size = [length("inner_height"), length("inner_width")]
   const followed = sources.flatMap((source, k) => Array.from(source.data["xy"[k]]))
   const away = (end, wanted, width) => Math.abs(end - wanted) > 1e-6 * Math.abs(width)
-  const late = (range, low, high) => away(range.start, low, high - low) || away(range.end, high, high - low)
+  const short = (low, high) => plot.match_aspect ? low > high : true  // at equal scales more is seen than asked for
+  const late = (range, low, high) => away(range.start, low, high - low) && short(range.start, low)
+    || away(range.end, high, high - low) && short(high, range.end)
   const [left, right, bottom, top] = followed
   if (!x.have_updated_interactively && late(x, left, right)) return  // it is about to follow, and to call this again
   if (!y.have_updated_interactively && late(y, bottom, top)) return

@@ -57,6 +57,9 @@ DOUBLE = 0.5
 CLOSED = 4.0
 """Size of the window within which a surface is looked for that is to be seen whole, relative to that of the points."""
 
+STRIP = 5.0
+"""Ratio of the extents of two coordinates above which equal scales would make a strip of the section."""
+
 BEYOND = 2.0
 """Size of the window in which the surface is drawn, relative to what is seen: a pan shows it at once."""
 
@@ -135,7 +138,7 @@ class SectionView:
         self.figure.on_event(Tap, place)
         self.figure.on_event(DoubleTap, lambda _event: on_double_click())
 
-    def show(self, outcome: SectionPoints, axes: tuple[int, int], return_map: bool) -> None:
+    def show(self, outcome: SectionPoints, axes: tuple[int, int], return_map: bool, alike: bool = False) -> None:
         """Draw the points there are.
 
         Parameters
@@ -146,6 +149,8 @@ class SectionView:
             Numbers of the coordinates, that of time being the dimension.
         return_map
             Whether to draw the first of them at a point against that at the next one of the same start.
+        alike
+            Whether the coordinates are drawn at equal scales, unless that would make a strip of the section.
         """
         inputs = outcome.inputs
         system = inputs.problem.declaration
@@ -158,8 +163,17 @@ class SectionView:
         self._make(outcome, axes, return_map)
         points = [one for _, made in self._made for one in made]
         self.cloud.show(points, outcome.noise, self._closed_surface)
+        self._set_scales(alike)
         self._number(outcome, axes, return_map)
         self._trace_surface()
+
+    def _set_scales(self, alike: bool) -> None:
+        """Draw both coordinates at equal scales, or each at its own."""
+        (left, right), (bottom, top) = (self.cloud.corners.data[name] for name in "xy")
+        equal = alike and 1 / STRIP <= (right - left) / (top - bottom) <= STRIP
+        if equal != self.figure.match_aspect:
+            self.figure.match_aspect = equal
+            self.cloud.fit()
 
     def _trace_surface(self) -> None:
         """Draw the surface where it is a curve in the plane shown."""

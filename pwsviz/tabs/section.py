@@ -60,7 +60,7 @@ KINDS = {"Section": False, "Return map": True}
 class SectionTab(LongTab):
     """Where the runs of all starts meet a surface."""
 
-    settings = ("section_axes", "section_map")
+    settings = ("section_axes", "section_map", "axes")
     every_start = True
 
     def __init__(self, *given: Any) -> None:
@@ -82,6 +82,13 @@ class SectionTab(LongTab):
         """The numbers of the coordinates shown."""
         scene = self.scene
         return scene.section_axes or usual_plane(scene.declaration, scene.section_of)
+
+    @property
+    def _alike(self) -> bool:
+        """Whether it shows a plane that the portrait shows, at equal scales: the only one, or the one chosen there."""
+        scene = self.scene
+        drawn = (0, 1) if scene.declaration.dimension == 2 else scene.axes or ()
+        return not scene.section_map and {*self.plane} == {*drawn}
 
     def build(self) -> list[Any]:
         """Make the choices, and the plot."""
@@ -186,7 +193,7 @@ class SectionTab(LongTab):
     def draw(self, outcome: SectionPoints) -> str:
         """Draw the points and return how many there are in words."""
         assert self.view is not None  # noqa: S101  (drawn after it was built)
-        self.view.show(outcome, self.plane, self.scene.section_map)
+        self.view.show(outcome, self.plane, self.scene.section_map, self._alike)
         if outcome.inputs.starts != self._placed:
             self.note.object = as_text(self._hint(), "about")
         return section_text(outcome)

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from tests.browser.looking import await_painted
+from tests.browser.test_export import downloaded, shapes_of
 from tests.browser.test_portrait import FIGURE, await_still, await_that
 
 pytestmark = pytest.mark.browser
@@ -64,3 +65,27 @@ def test_in_the_plane_the_surface_is_drawn_and_a_click_near_it_starts_on_it(visi
     said = page.get_by_text(re.compile(r"^Start 2 at x = ")).inner_text().replace("−", "-")
     x, y = (float(number) for number in re.findall(r"= (-?\d+(?:\.\d+)?)", said))
     assert abs(x**2 + y**2 - 1) < 1e-5
+
+
+SCALES = f"""() => {{
+    const figure = ({FIGURE})("Poincaré section")
+    if (figure == null) {{ return null }}
+    const [left, right, bottom, top] = figure.range, [, , width, height] = figure.frame
+    return {{words: figure.words, ratio: width / (right - left) * (top - bottom) / height,
+             seen: [left, right, bottom, top], shape: width / height}}
+}}"""
+
+
+def test_a_circle_in_the_plane_of_the_portrait_is_drawn_and_saved_as_a_circle(visit):
+    page = visit(query="v=2&view=section&methods=dmm2")  # the elliptic curve, and the unit circle
+    seen = await_that(page, SCALES, lambda seen: "points on" in seen["words"] and abs(seen["ratio"] - 1) < 1e-3)
+    left, right, bottom, top = seen["seen"]
+    assert left < -1 < 1 < right, "and all of it is seen"
+    assert bottom < -1 < 1 < top
+    page.get_by_role("button", name="Return map").click()
+    await_that(page, SCALES, lambda seen: abs(seen["ratio"] - 1) > 1e-2)
+    page.get_by_role("button", name="Section", exact=True).click()
+    seen = await_that(page, SCALES, lambda seen: abs(seen["ratio"] - 1) < 1e-3)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    svg = downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode()
+    assert any(shape == pytest.approx(seen["shape"], rel=0.02) for shape in shapes_of(svg))

@@ -199,3 +199,13 @@ def test_the_axes_show_no_differences_that_errors_alone_may_make(view):
         assert "All points are the same up to errors (differences below" in section_text(found)
     other = Results().section(SectionInputs.of_scene(Scene(section_points=50)))
     assert "the same" not in section_text(other), "a closed orbit meets the surface in several points"
+
+
+@pytest.mark.parametrize(("height", "alike", "equal"), [(2.0, True, True), (2.0, False, False), (0.02, True, False)])
+def test_scales_are_equal_where_they_are_in_the_portrait_unless_that_makes_a_strip(view, height, alike, equal):
+    angle = np.linspace(0.0, 6.0, 30)
+    x = np.column_stack([np.cos(angle), height / 2 * np.sin(angle), angle])
+    kinds = np.zeros((2, len(angle)))
+    found = SectionPortion(0, angle, x, kinds[0].astype(np.int16), kinds[1].astype(np.int8))
+    view.show(points(found), (0, 1), False, alike)
+    assert view.figure.match_aspect is equal
