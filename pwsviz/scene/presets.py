@@ -176,7 +176,7 @@ def _stopping() -> tuple[Preset, ...]:
             "Three swings of a pendulum: short of α = 0.5, across it, and touching it, where rounding would decide.",
             "Move start 3, or α, by 10⁻⁶: the swing falls short or crosses.",
             {
-                "system": "pendulum", "starts": ((-0.35, 0.0), (-0.65, 0.0), (-0.5, 0.0)),
+                "system": "pendulum", "starts": ((-0.35, 0.0), (-0.65, 0.0), (-0.5, 0.0)), "selected": 2,
                 "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved",
             },
         ),

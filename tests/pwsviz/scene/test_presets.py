@@ -191,6 +191,19 @@ def test_one_swing_misses_one_crosses_and_one_touches() -> None:
     assert found[2].x[-1] == pytest.approx((0.5, 0.0), abs=1e-6)
 
 
+@pytest.mark.parametrize("key", PRESETS)
+def test_an_example_that_speaks_of_a_start_opens_with_that_start_selected(key: str) -> None:
+    opened, words = Scene(), f"{PRESETS[key].look} {PRESETS[key].try_}"
+    opened.load(PRESETS[key].settings)
+    named = {int(number) for number in re.findall(r"\b[Ss]tart (\d+)\b", words)}
+    assert named <= {opened.selected + 1}
+    assert opened.selected < len(opened.starts)
+
+
+def test_the_example_of_a_touch_speaks_of_a_start() -> None:
+    assert "start 3" in PRESETS["grazing"].try_
+
+
 @pytest.mark.parametrize("restitution", [0.5, 0.8])
 def test_bounces_accumulate_when_they_should(restitution: float) -> None:
     found = by_method("zeno", values={"gravity": 9.8, "restitution": restitution})["dmm2"]
