@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import core
 from core.diagnostics import stand_in
 from core.kernels import Floats
+from pwsviz.scene.names import tally_of
 from pwsviz.text.advice import on_page
 from pwsviz.text.math_names import name_markup
 from pwsviz.text.numbers import printed
@@ -97,12 +98,12 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
     if not len(across):
         return f"<p>{escape(diagnosis.summary)} The constants are defined at crossings.</p>"
     if not across.any() and not diagnosis.warnings:
-        met = f"The run has no transversal crossing, but {run.tally}"
+        met = f"The run has no transversal crossing, but {tally_of(run)}"
         return f"<p>{met}: the theory’s constants and bounds do not apply.</p>"
     judged = run.status is not core.Status.ZENO and not core.METHODS[method].adaptive
     rows = [_constant_row(constant, diagnosis, judged) for constant in _CONSTANTS]
     whose = f"{run.method} from ({', '.join(f'{v:g}' for v in run.x[0])})"
-    caption = f"The worst values over {run.tally} of {whose}, {_at(diagnosis.tau, method)}."
+    caption = f"The worst values over {tally_of(run)} of {whose}, {_at(diagnosis.tau, method)}."
     worst = table(["constant", "value", "meaning", "paper"], rows, caption)
     return _verdict(diagnosis, run, across) + worst + _stand_in(method)
 

@@ -54,6 +54,10 @@ AT_SURFACE = {
 }
 """The boxes of the group of crossings, and what they do."""
 
+NO_SLIDE_AT_INSTANTS = "There is no surface to slide along: this law changes at instants, wherever the state is."
+NO_SLIDE_AT_JUMPS = "Where the state jumps at a surface, as in this system, runs do not slide along it."
+"""Why the box of sliding has no effect."""
+
 START = "Coordinate of the selected start. A start can also be dragged in the portrait."
 """Tooltip of a coordinate."""
 
@@ -251,6 +255,8 @@ class Sidebar(pn.viewable.Viewer):
         """Enable the controls that have an effect, and say which methods are left out."""
         self.methods.param.update(options=self.scene.offered, value=self.scene.used)
         self.at_surface.value = [LABELS[key] for key in ("locate", "slide") if getattr(self.scene, key)]
+        why = _why_no_sliding(self.scene.declaration)
+        self.at_surface.barred = {LABELS["slide"]: why} if why else {}
         self.methods_note.object = method_notes(self.scene)
         self.tolerance.show_if(any(core.METHODS[name].adaptive for name in self.scene.used))
         self.order.disabled = not self.scene.locate
@@ -316,6 +322,14 @@ def _titles() -> dict[str, dict[str, str]]:
     for key, preset in PRESETS.items():
         listed["Figures of the paper" if preset.figure else "To explore"][preset.title] = key
     return listed
+
+
+def _why_no_sliding(system: core.PiecewiseSystem) -> str:
+    """Return why no run slides along a surface, whatever the scene says; empty if one may."""
+    laws = system.laws
+    if 0 < len(laws.surfaces) == len(laws.instants):
+        return NO_SLIDE_AT_INSTANTS
+    return NO_SLIDE_AT_JUMPS if laws.jumps else ""
 
 
 def _plane_name(system: core.PiecewiseSystem, axes: Axes) -> str:

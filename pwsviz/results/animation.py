@@ -13,6 +13,7 @@ from pwsviz.geometry.polyline_reduction import Floats, simplify
 from pwsviz.geometry.projection import PLANE
 from pwsviz.geometry.window import Window
 from pwsviz.results.curves import curve, pixel_size
+from pwsviz.scene.names import tally_of
 
 FEW = 500
 """Steps below which states between them are shown, so that the marker moves smoothly along the curve."""
@@ -103,8 +104,11 @@ def frames(run: core.Trajectory, plane: Plane, limit: int = 2000, near: Window |
     t, x = np.concatenate([drawn[0], t[new]]), np.concatenate([drawn[1], places[new]])
     order = np.argsort(t, kind="stable")
     times, kinds = run.crossings.passed.t, run.kinds_met
+    tally = tally_of(run)
+    if tally != run.tally:  # crossings at which the state jumps, and nothing else is met
+        kinds = np.where(kinds == 0, 1, kinds)
     met = tuple(times[kinds == kind][:MOST_CROSSINGS] for kind in range(len(MET)))
-    return Frames(run.method, t[order], np.ascontiguousarray(x[order]), steps, met, run.tally, traced)
+    return Frames(run.method, t[order], np.ascontiguousarray(x[order]), steps, met, tally, traced)
 
 
 def _evenly(run: core.Trajectory, plane: Plane, limit: int) -> tuple[Floats, Floats, Floats]:

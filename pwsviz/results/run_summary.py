@@ -13,7 +13,7 @@ from core.integration import largest_size
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.shades import shades_of
 from pwsviz.results.requests import RunInputs
-from pwsviz.scene.names import met_at_surfaces
+from pwsviz.scene.names import met_at_surfaces, tally_of
 from pwsviz.text.advice import on_page
 
 __all__ = ["Summary", "summary_of", "warning_of"]
@@ -50,7 +50,7 @@ def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summar
     return Summary(
         method=inputs.scheme.method,
         steps=int(run.steps),
-        met=run.tally,
+        met=tally_of(run),
         seconds=float(run.seconds),
         t_end=float(run.t[-1]),
         worst_error=float(np.fmax.reduce(sizes, initial=np.nan)),

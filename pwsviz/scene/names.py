@@ -70,6 +70,14 @@ def met_at_surfaces(system: core.PiecewiseSystem) -> str:
     return " and ".join(word for jump, word in ((False, "crossings"), (True, "jumps")) if jump in (jumps or {False}))
 
 
+def tally_of(run: core.Trajectory) -> core.Tally:
+    """Return how often a run meets surfaces, counted under the names that `met_at_surfaces` gives."""
+    met = run.tally
+    if met_at_surfaces(run.system) != "jumps":
+        return met
+    return met._replace(crossings=0, jumps=met.crossings + met.jumps)
+
+
 def named_settings(settings: Collection[str]) -> str:
     """Return in words which settings these are; another system, which brings its own values of the others, alone."""
     if "system" in settings or "own" in settings:

@@ -17,6 +17,7 @@ from pwsviz.figures.style import describe
 from pwsviz.geometry.plane import Plane
 from pwsviz.results.requests import ErrorInputs, run_inputs
 from pwsviz.results.states import StateCurves
+from pwsviz.scene.names import tally_of
 from pwsviz.tabs.base import Tab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
@@ -86,7 +87,7 @@ class StateTab(Tab):
         """Return what dots are, and whose crossings are marked, for captions."""
         dots = STEPS_MARKED * any(len(curve.steps[0]) for curve in outcome.curves)
         marks = whose_marks([curve.method for curve in outcome.curves], len(outcome.first.crossings))
-        jumps = JUMPS_MARKED * (outcome.first.tally.jumps > 0)
+        jumps = JUMPS_MARKED * (tally_of(outcome.first).jumps > 0)
         return " ".join(filter(None, [dots, marks, jumps]))
 
     def pictures(self) -> list[figure]:

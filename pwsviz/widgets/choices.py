@@ -24,6 +24,7 @@ input { margin: 0 6px 0 0; flex: none; cursor: pointer; accent-color: var(--mui-
 @media (pointer: coarse) or (width < NARROWpx) {
     input { min-width: 24px; min-height: 24px; } label { min-height: 32px; }
 }
+label:has(input:disabled), input:disabled { opacity: 0.6; cursor: default; }
 input:focus-visible { outline: 2px solid var(--mui-palette-primary-main); outline-offset: 2px; }
 span[title]:not([title=""]):has(input:focus-visible)::after {
     content: attr(title); position: absolute; inset: calc(100% + 4px) 0 auto; z-index: 1; padding: 4px 8px;
@@ -45,6 +46,7 @@ class Choices(pn.custom.JSComponent):
     label = param.String(default="", doc="Name of the group.")
     options = param.List(default=[], item_type=str, doc="Names of the boxes.")
     about = param.Dict(default={}, doc="What each option is.")
+    barred = param.Dict(default={}, doc="Why options have no effect that cannot be chosen now; their value stays.")
     groups = param.Dict(default={}, doc="The name of the group of each option; none for a list without groups.")
     value = param.List(default=[], doc="The boxes that are checked, in the order of the options.")
     disabled = param.Boolean(default=False, doc="Whether nothing can be chosen.")

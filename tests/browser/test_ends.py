@@ -74,3 +74,15 @@ def test_a_block_that_sticks_is_followed_and_stops_on_request(shown):
     page.get_by_label("Slide along the surface (Filippov)").uncheck()
     page.get_by_text(re.compile("To follow it along the surface, choose “Slide along the surface”")).first.wait_for()
     page.wait_for_function("location.search.includes('slide=off')")
+
+
+def test_sliding_cannot_be_chosen_where_the_state_jumps_and_says_why(visit):
+    page = visit(query="v=2&system=bouncing_ball&methods=dmm2")
+    slide = page.get_by_label("Slide along the surface (Filippov)")
+    await_painted(page, "Phase portrait")
+    assert slide.is_disabled()
+    assert not slide.is_checked()
+    assert "Where the state jumps" in slide.get_attribute("aria-description")
+    page.get_by_label("Locate crossings (transition scheme)").uncheck()
+    page.wait_for_function("location.search.includes('locate=off')")
+    assert "slide" not in page.url, "the setting stays for other systems"

@@ -54,4 +54,15 @@ BELT = PiecewiseSystem.from_field(
     {"mu": 0.5}, (0.5, 2.0), "Belt",
 )  # fmt: skip
 
+#: A law that changes at instants, wherever the state is.
+SQUARE_WAVE = PiecewiseSystem.from_field(
+    ("x", "v"), ("v", "-x + sign(sin(3*t))/2"), x0=(1.0, 0.0), name="Square wave"
+)  # fmt: skip
+
+#: One law, and a state that jumps at instants.
+KICKED = PiecewiseSystem(
+    name="Kicked", variables=("x", "p"), f_minus=("p", "0"), f_plus=("p", "0"), g="sin(pi*t)",
+    jump=("x", "p + sin(x)"), x0=(1.0, 2.0),
+)  # fmt: skip
+
 OWN_SYSTEMS = {system.name: system for system in (STRIPS, WEDGE, WALL, RELAY, GATE, BELT)}

@@ -9,6 +9,7 @@ import core
 from pwsviz.geometry.plane import XY, Plane
 from pwsviz.geometry.polyline_reduction import RESOLUTION
 from pwsviz.results.animation import FEW, frames, landmarks
+from tests.pwsviz.own_systems import KICKED
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +89,14 @@ def test_crossings_jumps_and_slides_are_counted_apart():
     assert shown.tally.slides > 1
     jumps = core.integrate(core.CATALOGUE["bouncing_ball"], (0.0, 1.0), tau=1e-2, method="rk4")
     assert str(jumps.tally) == f"{len(jumps.crossings)} jumps"
+
+
+def test_kicks_are_counted_as_the_jumps_that_their_marks_are():
+    kicked = core.integrate(KICKED, (0.0, 4.5), tau=0.05, method="rk4")
+    shown = frames(kicked, XY)
+    assert shown.tally == (0, 4, 0, 0)
+    assert [len(times) for times in shown.met] == [0, 4, 0]
+    assert set(landmarks(kicked, XY).kinds) == {"jump"}
 
 
 def test_the_plane_is_that_of_the_axes(run):

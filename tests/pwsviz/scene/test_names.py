@@ -3,7 +3,8 @@
 import pytest
 
 import core
-from pwsviz.scene.names import readable
+from pwsviz.scene.names import met_at_surfaces, readable, tally_of
+from tests.pwsviz.own_systems import KICKED, SQUARE_WAVE
 
 
 @pytest.mark.parametrize(
@@ -16,3 +17,12 @@ from pwsviz.scene.names import readable
 )  # fmt: skip
 def test_large_and_small_numbers_are_printed_with_powers_of_ten(typed, printed):
     assert readable(typed, core.CATALOGUE["elliptic_curve"]) == printed
+
+
+@pytest.mark.parametrize(("system", "met", "words"), [
+    (KICKED, "jumps", "4 jumps"), (SQUARE_WAVE, "crossings", "4 crossings"),
+])  # fmt: skip
+def test_what_marks_call_a_jump_is_counted_as_one(system, met, words):
+    run = core.integrate(system, (0.0, 4.5), tau=0.05, method="rk4")
+    assert met_at_surfaces(system) == met
+    assert str(tally_of(run)) == words
