@@ -100,7 +100,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
         "active_drag": None,
         "output_backend": "canvas",
         "min_border_right": 12,
-        "html_attributes": {"aria-label": summary[:1].upper() + summary[1:], **REACHED},
+        "html_attributes": {**_named(summary[:1].upper() + summary[1:]), **REACHED},
         "stylesheets": [FOCUS_CSS],
     }
     plot = figure(**{**settings, **options})
@@ -117,8 +117,23 @@ def plain_figure(summary: str, **options: Any) -> figure:
 
 
 def describe(plot: figure, words: str) -> None:
-    """Set the description of a figure for screen readers; the browser applies it at once."""
-    plot.html_attributes = {**plot.html_attributes, "aria-label": printed(words)}
+    """Name and describe a figure for screen readers; the browser applies it at once.
+
+    The name, which is heard whenever the focus comes to the figure, are the words before the first comma, colon or end
+    of a sentence; the others are its description, which may be passed over.
+    """
+    plot.html_attributes = {**plot.html_attributes, **_named(printed(words))}
+
+
+def described(plot: figure) -> str:
+    """Return name and description of a figure, as one text."""
+    name, words = (str(plot.html_attributes[key]) for key in ("aria-label", "aria-description"))
+    return f"{name}{'. ' if words[:1].isupper() else ', '}{words}" if words else name
+
+
+def _named(words: str) -> dict[str, str]:
+    name, _, others = [*re.split("([,:.]) ", words, maxsplit=1), "", ""][:3]
+    return {"aria-label": name, "aria-description": others}
 
 
 def tips(rows: list[tuple[str, str]], **options: Any) -> HoverTool:

@@ -20,7 +20,18 @@ __all__ = ["THE_PAGE", "make_frame"]
 THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
 """JavaScript of the data of the page. Of a model passed as an argument, Panel visits all parts at each change."""
 
+#: The icon of the button of the theme shows what a click brings, as its name says; that of the template what there is.
+_MOON, _SUN = "dark_mode", "light_mode"
+_OF_THEME = {
+    f'button[aria-label="{theme} theme"]': {
+        "& > svg": {"display": "none"},
+        "&::before": {"content": f'"{icon}"', "font": "24px/1 'Material Icons'", "fontFeatureSettings": '"liga"'},
+    }
+    for theme, icon in (("Dark", _MOON), ("Light", _SUN))
+}  # fmt: skip
+
 PAGE_SX = {
+    **_OF_THEME,
     ".MuiAppBar-root": {
         "backgroundColor": "background.paper", "color": "text.primary", "boxShadow": "none",
         "borderBottom": "1px solid", "borderColor": "divider", "backgroundImage": "none",

@@ -14,6 +14,7 @@ from pwsviz.page.look import ABOUT_CSS, FOR_FINGERS, HEADER_SX, NOT_IN_LECTURES,
 from pwsviz.scene.history import History
 from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.kept import kept
+from pwsviz.widgets.lecture import NAME as LECTURE
 from pwsviz.widgets.panes import markup_pane
 
 __all__ = ["footer", "header"]
@@ -42,7 +43,7 @@ def header(
     )  # fmt: skip
     share.on_click(lambda _: export())
     parts = [
-        back, forth, share, _button("co_present", "Lecture mode (L)", lecture, 4, NOT_ON_PHONES),
+        back, forth, share, _button("co_present", LECTURE, lecture, 4, NOT_ON_PHONES),
         _button("help_outline", "Help (?)", ask, 4, {}), tagline,
     ]  # fmt: skip
     for part in parts:

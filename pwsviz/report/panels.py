@@ -15,7 +15,7 @@ from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.framing import extent
 from pwsviz.figures.order import STATE_ERROR, TIME_ERROR, OrderView, Rows, order_tables, state_rows, studied, time_rows
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.style import describe
+from pwsviz.figures.style import describe, described
 from pwsviz.report.numbers import run_numbers, slope_numbers
 from pwsviz.results.requests import RunInputs, other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
@@ -49,7 +49,7 @@ class Panel:
     @property
     def summary(self) -> str:
         """Description of the figure in words."""
-        return str(self.plot.html_attributes["aria-label"])
+        return described(self.plot)
 
 
 def draw_panel(preset: Preset, results: Results) -> Panel:

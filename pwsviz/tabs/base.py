@@ -12,7 +12,7 @@ from bokeh.plotting import figure
 import core
 from pwsviz.export.files import Table, Tables
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.style import describe
+from pwsviz.figures.style import describe, described
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.names import met_at_surfaces
@@ -239,7 +239,7 @@ class Tab(pn.viewable.Viewer):
         """Return a pane for one of the tab's figures."""
         pane = plot_pane(plot)
         self.plots.append(pane)
-        self._summaries.append(plot.html_attributes["aria-label"])
+        self._summaries.append(described(plot))
         return pane
 
     def _show(self, outcome: Outcome) -> None:

@@ -5,7 +5,11 @@ from __future__ import annotations
 import panel as pn
 import param
 
+from pwsviz.widgets.browser import FIND
 from pwsviz.widgets.focus import SPACE
+
+NAME = "Lecture mode (L)"
+"""Name of the button that turns the lecture mode on and off."""
 
 KEY = "l"
 """Key that turns the lecture mode on and off, when no text is being typed."""
@@ -54,6 +58,7 @@ class Lecture(pn.custom.JSComponent):
 const SIZES = ["axis_label_text_font_size", "major_label_text_font_size", "label_text_font_size", "text_font_size",
                "line_width", "axis_line_width", "major_tick_line_width", "size"]
 SPACE
+FIND
 export function render({ model }) {
   const usual = new Map()  // figure part -> its own sizes, and those that it has been given
   const fitted = new Set()  // panels of views
@@ -177,10 +182,16 @@ export function render({ model }) {
       panel.style.setProperty("--above", `${Math.round(room)}px`)
     }
   }
+  const say_pressed = (looks = 0) => {  // the button may come later, and its tip is not its state
+    const button = find(document, `button[aria-label="NAME"]`)
+    if (button == null) { return looks < 300 ? setTimeout(say_pressed, 100, looks + 1) : null }
+    button.ariaPressed = model.large
+  }
   const turn = on => {
     if (on == model.large) return
     if (document.getElementById("cover") != null) return setTimeout(turn, LOOK_AGAIN, on)  // when the page is built
     model.large = on
+    say_pressed()
     const styles = { "--rest": "REST", "--table": "0px", "--usual": "none", "--lecture": "flex" }
     for (const [name, value] of Object.entries(styles)) { root.style.setProperty(name, on ? value : "") }
     clearInterval(timer)
@@ -213,6 +224,7 @@ export function render({ model }) {
   const leave = () => { if (!document.fullscreenElement) turn(false) }
   model.on("turned", () => turn(!model.large))
   model.on("told", () => root.style.setProperty("--law", model.told ? "none" : ""))
+  say_pressed()
   document.addEventListener("keydown", press)
   document.addEventListener("fullscreenchange", leave)
   addEventListener("resize", resize)
@@ -224,6 +236,8 @@ export function render({ model }) {
   })
 }
 """.replace("SPACE", SPACE)
+        .replace("FIND", FIND)
+        .replace("NAME", NAME)
         .replace("LABELS", str(LABELS))
         .replace("LARGER", str(LARGER))
         .replace("WIDE", str(ROOMY[0]))

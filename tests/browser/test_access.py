@@ -198,13 +198,51 @@ def test_the_button_of_the_controls_and_its_tip_speak_of_a_menu(visit):
         button.click()
 
 
+ICON = """button => [getComputedStyle(button, "::before").content, button.querySelector("svg").checkVisibility()]"""
+"""The icon of a button as it is painted, and whether that of the template is, too."""
+
+
 def test_the_button_of_the_theme_and_its_tip_say_what_a_click_does(visit):
     page = visit()
-    for name in ("Dark theme", "Light theme", "Dark theme"):
+    for name, icon in (("Dark theme", "dark_mode"), ("Light theme", "light_mode"), ("Dark theme", "dark_mode")):
         button = page.get_by_role("button", name=name)
+        button.wait_for()
+        painted = [f'"{icon}"', False]  # a moon that brings the night, or a sun the day
+        assert becomes(page, lambda button=button, painted=painted: button.evaluate(ICON) == painted)
         button.hover()
         page.get_by_role("tooltip", name=name).wait_for()
         button.click()
+
+
+def test_the_button_of_the_lecture_says_whether_it_is_pressed(visit):
+    page = visit()
+    button = page.get_by_role("button", name="Lecture mode (L)")
+    for key, pressed in ((None, "false"), ("l", "true"), ("Escape", "false")):
+        if key:
+            page.keyboard.press(key)
+        assert becomes(page, lambda pressed=pressed: button.get_attribute("aria-pressed") == pressed), key
+
+
+@pytest.mark.parametrize("view", ["conserved", "state", "order", "stability", "section"])
+def test_the_name_of_a_figure_is_short_and_what_else_there_is_to_tell_describes_it(visit, view):
+    page = visit(query=f"v=2&methods=dmm2&t_end=5&view={view}")
+    await_painted(page, "Phase portrait")
+    figures = page.get_by_role("application")
+    told = lambda key: [figures.nth(k).get_attribute(key) or "" for k in range(figures.count())]  # noqa: E731
+    assert becomes(
+        page, lambda: len(told("aria-label")) > 1 and all(len(words) > 20 for words in told("aria-description"))
+    )
+    assert all(10 < len(name) < 80 for name in told("aria-label")), told("aria-label")
+
+
+def test_buttons_of_the_export_dialog_say_what_they_save(visit):
+    page = visit()
+    await_painted(page, "conserved quantity")
+    page.get_by_role("button", name=re.compile("Export")).click()
+    for what in ("Phase portrait", "Conserved quantity"):
+        for kind in ("CSV curves", "NPZ", "SVG", "PDF", "PNG"):
+            page.get_by_role("button", name=f"Save {kind} of {what}", exact=True).wait_for()
+    page.get_by_role("button", name="Save TEX of Equations", exact=True).wait_for()
 
 
 ENDS = """name => {

@@ -96,7 +96,7 @@ FADED_AT = """async entry => {
 """Chooses an entry from the list that has it, and returns the opacity of the portrait when it is painted next."""
 
 PORTRAIT_OF = """() => Bokeh.index.query_one(view => view.model.match_aspect)
-    .model.html_attributes["aria-label"].match(/of (.*), \\S+ against/)?.[1]"""
+    .model.html_attributes["aria-label"].match(/of (.*)/)?.[1]"""
 """The system whose portrait is painted."""
 
 

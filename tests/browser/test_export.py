@@ -56,7 +56,7 @@ def test_files_of_the_portrait_and_of_the_drift_hold_every_curve_that_is_painted
     painted = [page.evaluate(CURVES, label) for label in ("Phase portrait", "Absolute change")]
     painted = [[curve for curve in curves if len(curve["x"]) > 1] for curves in painted]  # without legend entries
     page.get_by_role("button", name=re.compile("Export")).click()
-    files = page.get_by_role("button", name=re.compile("^CSV"))
+    files = page.get_by_role("button", name=re.compile("^Save CSV"))
     files.nth(4).wait_for()  # the last of three tables of the portrait and two of the drift
     names = [files.nth(k).inner_text() for k in range(files.count())]
     tables = [saved(page, files.nth(k)) for k, name in enumerate(names) if "crossings" not in name]

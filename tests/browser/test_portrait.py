@@ -19,7 +19,7 @@ FIGURE = """label => {
     const {left, top} = view.canvas_view.events_el.getBoundingClientRect(), {x_scale, y_scale, bbox} = view.frame
     const rows = view.model.renderers.map(renderer => renderer.data_source.data)
     const on_screen = (xs, ys) => Array.from(xs, (x, k) => [left + x_scale.compute(x), top + y_scale.compute(ys[k])])
-    const {x_range, y_range} = view.frame, words = view.el.getAttribute("aria-label")
+    const {x_range, y_range} = view.frame, words = view.el.ariaLabel + ", " + view.el.getAttribute("aria-description")
     return {view, rows, on_screen, range: [x_range.start, x_range.end, y_range.start, y_range.end],
             frame: [left + bbox.left, top + bbox.top, bbox.width, bbox.height], words}
 }"""

@@ -100,7 +100,7 @@ def test_the_program_taken_away_computes_what_the_page_shows(visit):
         [sys.executable, "-c", program.inner_text()], check=True, capture_output=True, text=True
     ).stdout
     assert "21 crossings" in out
-    page.get_by_role("dialog").get_by_role("button", name=re.compile("^CSV")).first.wait_for()
+    page.get_by_role("dialog").get_by_role("button", name=re.compile("^Save CSV")).first.wait_for()
 
 
 @pytest.mark.deep
@@ -116,7 +116,7 @@ def test_a_click_saves_one_file_and_the_next_another(visit):
         assert saved == [ending]
         saved.clear()
     page.keyboard.press("Escape")
-    page.get_by_role("button", name=re.compile("^CSV")).first.wait_for(state="detached")
+    page.get_by_role("button", name=re.compile("^Save CSV")).first.wait_for(state="detached")
 
 
 @pytest.mark.deep

@@ -16,6 +16,7 @@ from pwsviz.figures.framing import OTHERS, extent
 from pwsviz.figures.marks import KIND_MARKERS
 from pwsviz.figures.orbit_lines import STRONG, starts_of_thin
 from pwsviz.figures.portrait import POINTED_WIDTH, PortraitView
+from pwsviz.figures.style import described
 from pwsviz.geometry.phase_plane import backdrop
 from pwsviz.geometry.plane import XY
 from pwsviz.geometry.window import Window
@@ -226,9 +227,9 @@ def test_stars_are_sent_again_though_the_server_knows_no_change():
 def test_the_sentence_for_screen_readers_is_of_what_is_drawn():
     view = Watched()
     view.draw()
-    assert "one trajectory, which starts at (−1, −1). dmm2: 21 crossings" in view.figure.html_attributes["aria-label"]
+    assert "one trajectory, which starts at (−1, −1). dmm2: 21 crossings" in described(view.figure)
     view.draw(TWO, 1)
-    assert "2 trajectories; number 2 starts at (−0.5, 0.2)" in view.figure.html_attributes["aria-label"]
+    assert "2 trajectories; number 2 starts at (−0.5, 0.2)" in described(view.figure)
     assert view.figure.html_attributes["role"] == "application"
 
 

@@ -13,6 +13,7 @@ from panel.io.document import _cleanup_doc
 from panel.io.state import set_curdoc
 
 import core
+from pwsviz.figures.style import described
 from pwsviz.page.explorer import ADDRESS_RESTS, WINDOW_RESTS, Explorer
 from pwsviz.page.export_dialog import NOT_YET
 from pwsviz.page.help import CHANGED
@@ -251,8 +252,8 @@ def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
     assert explorer.scene.view == "state"
     _, state = explorer._pieces()
     assert [plot.yaxis.axis_label for plot in state.figures] == ["x", "v"]
-    said = [plot.html_attributes["aria-label"] for plot in state.figures]
-    assert [words.partition(" against time. ")[0] for words in said] == ["Coordinate x", "Coordinate v"]
+    said = [described(plot) for plot in state.figures]
+    assert [words.partition(" against time, ")[0] for words in said] == ["Coordinate x", "Coordinate v"]
     assert "v from" not in said[0], "each panel tells of its own coordinate"
     assert "x from" not in said[1]
 

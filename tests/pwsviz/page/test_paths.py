@@ -6,6 +6,7 @@ from contextlib import suppress
 import pytest
 
 import core
+from pwsviz.figures.style import described
 from pwsviz.page.explorer import Explorer
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
@@ -38,7 +39,7 @@ def look(page):
         "curves": [len(source.data["x"]) for source in (panel.portrait.crossings, panel.portrait.ends)],
         "figures": [(plot.xaxis.axis_label, plot.yaxis[0].axis_label, entries(plot)) for plot in
                     (pane.object for pane in seen)],
-        "name": panel.portrait.figure.html_attributes["aria-label"],
+        "name": described(panel.portrait.figure),
     }  # fmt: skip
 
 

@@ -5,6 +5,7 @@ import pytest
 
 import core
 from pwsviz.export.tables import drawn_table
+from pwsviz.figures.style import described
 from pwsviz.geometry.phase_plane import ROWS
 from pwsviz.page.explorer import Explorer
 from pwsviz.results.results import Results
@@ -86,7 +87,7 @@ def test_limits_link_and_tables_have_values_of_the_variables(spring):
 
 
 def test_words_for_screen_readers_have_values_of_the_variables(spring):
-    words = spring.portrait_panel.portrait.figure.html_attributes["aria-label"]
+    words = described(spring.portrait_panel.portrait.figure)
     assert "y from −10⁴ to 10⁴" in words
     assert "It meets a surface at (0.5, −8.66×10³) and (0.5, 8.66×10³)" in words
 
