@@ -78,7 +78,7 @@ def test_a_run_with_very_many_crossings_has_no_bands():
     view, _, _ = shown(t_end=2000.0, tau=0.05)
     assert all(len(source.data["start"]) == 0 for source in view.segments.values())
     assert len(view.instants.data["t"]) == 0
-    assert "are too dense to mark; the sides are not shaded." in view.figure.html_attributes["aria-label"]
+    assert "are too dense to mark; the sides are not shaded." in view.figure.html_attributes["aria-description"]
 
 
 @pytest.mark.parametrize(("system", "kind"), [("elliptic_curve", "transversal"), ("bouncing_ball", "jump")])
@@ -146,7 +146,7 @@ def test_screen_readers_hear_the_same_sentence():
     view, curves, _ = shown()
     said = view.figure.html_attributes
     assert said["role"] == "application"
-    assert conserved_text(curves) in said["aria-label"]
+    assert conserved_text(curves) in said["aria-description"]
 
 
 def test_a_caption_speaks_of_what_is_met_and_only_where_something_is():

@@ -15,7 +15,7 @@ from pwsviz.figures.lines import line_of, together, widths_in_time
 from pwsviz.figures.marks import ENDS, KIND_COLOURS
 from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
 from pwsviz.figures.section import START_COLOURS
-from pwsviz.figures.style import LEVEL, assign, plain_figure, show_methods, side_strips
+from pwsviz.figures.style import LEVEL, assign, describe, described, plain_figure, show_methods, side_strips
 from pwsviz.geometry.shades import REGION_SHADES
 
 #: Linear RGB as seen with one kind of cone missing: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009).
@@ -192,8 +192,15 @@ def test_the_tool_that_zooms_says_that_it_needs_a_key():
     assert "Ctrl" in tool.description
 
 
-def test_the_description_of_a_figure_begins_as_a_sentence_does():
-    assert plain_figure("state error, ‖x‖").html_attributes["aria-label"] == "State error, ‖x‖"
+def test_the_name_of_a_figure_is_its_first_words_and_the_others_describe_it():
+    plot = plain_figure("state error, ‖x‖")
+    told = plot.html_attributes
+    assert (told["aria-label"], told["aria-description"]) == ("State error", "‖x‖")
+    assert described(plot) == "State error, ‖x‖"
+    describe(plot, "State error against τ. Of dmm2: slope 2.00.")
+    told = plot.html_attributes
+    assert (told["aria-label"], told["aria-description"]) == ("State error against τ", "Of dmm2: slope 2.00.")
+    assert described(plot) == "State error against τ. Of dmm2: slope 2.00."
 
 
 def test_printed_shades_differ_without_their_colours():
