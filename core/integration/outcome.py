@@ -191,7 +191,7 @@ def reason(end: Ending) -> str:
     if end.status is Status.ESCAPED and end.cause.growth is Growth.LARGE:
         return f"the numerical solution grows beyond {BOUND:.0e}, up to which a run takes its numbers".replace("+", "")
     if end.status is Status.ESCAPED and end.cause.growth is None and not end.cause.singular:
-        return "the next step cannot be made, as the solution grows beyond bounds within a few steps from here"
+        return "the solution grows beyond bounds within a few steps from here, and the next step cannot be made"
     if end.status is Status.CORNER:
         why = end.cause.why_cornered
         return str(why) if why == BEYOND.reason else f"{end.status.reason}, and {why}"
@@ -199,8 +199,8 @@ def reason(end: Ending) -> str:
         return "the field does not lead away from the surface after the jump, so the state stays there"
     if end.status is Status.ESCAPED and math.isfinite(end.cause.pole):
         return (
-            f"the solution seems to have a pole at about t = {end.cause.pole:.9g}, and the field varies ever faster on "
-            "the way there, so that steps get shorter without end"
+            f"the solution seems to have a pole at about t = {end.cause.pole:.9g}, and steps get shorter without end "
+            "on the way there"
         )
     if found := _ahead(end):
         return found.reason
@@ -270,8 +270,8 @@ def _advice(end: Ending) -> str:
         )
     if end.cause.left:
         return (
-            f"Steps have become so short that {end.cause.left:.0e} more would lead to the end time: the solution seems "
-            "to vary ever faster, as it does where it grows without bound. End the run before."
+            f"Steps have become so short that {end.cause.left:.0e} more would lead to the end time. The solution seems "
+            "to vary ever faster, as before a pole: end the run earlier."
         ).replace("+", "")
     if math.isfinite(end.cause.pole):
         return "End the run before it."

@@ -78,8 +78,7 @@ _WORDS = {
     ),
     Status.ESCAPED: (
         "the numerical solution blows up",
-        "If the solution has a pole there, or some steps before, end the run before it; if it has none, take a smaller "
-        "step size.",
+        "If the exact solution has a pole nearby, end the run before it. Otherwise take a smaller step size.",
     ),
     Status.ZENO: (
         "crossings or jumps come ever closer and accumulate here (Zeno)",

@@ -29,8 +29,7 @@ UP: Mapping[str, str] = {
 """Titles of the axes."""
 
 MEANING: Mapping[str, str] = {
-    "state": "‖x − x*‖₂ is the Euclidean norm of the difference between the states of the run and of the reference at "
-    "the end, in all variables.",
+    "state": "‖x − x*‖₂ is the Euclidean distance between the states of the run and of the reference at the end.",
     "time": "t* and t̂ are the times of the last crossing of the reference and of the run.",
     "invariant": "|Δψ| is the change of ψ since the start.",
 }
@@ -266,6 +265,6 @@ def _met(study: core.WorkPrecision) -> str:
 
 def _comparison(study: core.WorkPrecision, up: Up) -> str:
     return (
-        f"Run {compared_with(study)}; errors below {study.floor[up]:.0e} may be due to the round-off of "
-        "a state or to the reference. Round-off adds up along a run: a curve may level off above that."
+        f"Run {compared_with(study)}. Errors below {study.floor[up]:.0e} may be round-off, or those of the reference. "
+        "Round-off adds up along a run, so a curve may level off above that."
     )

@@ -35,8 +35,8 @@ def prospects(system: core.PiecewiseSystem, view: str, shown: str = "", of: str 
     stroboscopic = any(TIME in h.free_symbols for h in surface_functions(system, of))
     if _is_flow_in_the_plane(system) and not stroboscopic:
         words.append(
-            "A bounded orbit of an autonomous planar system generically is, or approaches, an equilibrium or a closed "
-            "orbit, so that few distinct points remain after a transient."
+            "After a transient few distinct points are to be expected. In the plane, where the law does not depend on "
+            "time, bounded orbits generally end in an equilibrium or a closed orbit."
         )
     if _conserves(system):
         words.append(

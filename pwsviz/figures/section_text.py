@@ -143,7 +143,7 @@ def _integrated(outcome: SectionPoints) -> str:
     first, last = (f"t = {end:,.4g}" for end in (min(outcome.ends), max(outcome.ends)))
     until = COMPARED * outcome.inputs.tau
     unseen = max(map(abs, outcome.ends)) > until and not adaptive
-    examined = f", of which errors are examined up to t = {until:,.4g}" * unseen
+    examined = f" (errors examined up to t = {until:,.4g})" * unseen
     to = first if first == last else f"times from {first} to {last}"
     return f"integrated by {scheme.method} with {step} to {to}{examined}"
 

@@ -229,7 +229,7 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
         return f", from which the reference ends early, before t = {end:.4g}: no run is judged"
     if largest.expected != core.Status.COMPLETED:
         return f", from which the solution itself ends before t = {end:.4g}: a run has to end likewise"
-    near = f" rather than {end:.4g}, which is too close to a crossing"
+    near = f" (t = {end:.4g} is too close to a crossing)"
     return f" to t = {horizon:.4g}{near * (horizon != end)}"
 
 

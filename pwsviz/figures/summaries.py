@@ -48,6 +48,7 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
     """Return a line for each run and, for each reason to stop, the message of the first run that stopped for it.
 
     The messages name their integrators and come in the order of the lines; the warning of each run follows, if any.
+    A sentence that several of them end with, such as an advice, stands once.
     """
     stopped: dict[str, list[Summary]] = {}
     for each in summaries:
@@ -58,7 +59,19 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
     said = [*warnings, *[""] * len(summaries)]
     lines = [run_line(each, bool(words)) for each, words in zip(summaries, said, strict=False)]
     warned = [f"{each.method}: {words}" for each, words in zip(summaries, said, strict=False) if words]
-    return "".join(lines) + "".join(as_text(words, "stopped") for words in (*reasons, *warned))
+    return "".join(lines) + "".join(as_text(words, "stopped") for words in _said_once([*reasons, *warned]))
+
+
+_ENDS_SENTENCE = re.compile(r"(?<=\.) (?=[A-Z])")
+
+
+def _said_once(paragraphs: Sequence[str]) -> Iterator[str]:
+    """Yield paragraphs, each without the sentences after its first that one before it has."""
+    known: set[str] = set()
+    for paragraph in paragraphs:
+        first, *others = _ENDS_SENTENCE.split(paragraph)
+        yield " ".join([first, *(words for words in others if words not in known)])
+        known.update(others)
 
 
 def run_words(summaries: Sequence[Summary]) -> str:
@@ -152,8 +165,8 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool, met: str = "
     counted = numbered_crossings(study.crossings)
     if states:
         words = (
-            "‖x − x*‖₂ is the Euclidean norm of the difference between the states of the run and of the reference, "
-            f"in all variables, at {_instants(study)}"
+            "‖x − x*‖₂ is the Euclidean distance between the states of the run and of the reference, "
+            f"at {_instants(study)}"
         )
     else:
         words = (

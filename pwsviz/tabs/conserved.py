@@ -34,7 +34,7 @@ class ErrorPicture(NamedTuple):
     """Why no step was made, where none was."""
 
 
-DEFINED = "|Δψ| is the change of ψ since the start{apart}. Errors in time along the orbit (of phase) do not show in it."
+DEFINED = "|Δψ| is the change of ψ since the start{apart}. It does not show errors in time along the orbit (of phase)."
 """What the axis shows, in a line; captions say more."""
 
 

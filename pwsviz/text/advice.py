@@ -54,7 +54,7 @@ _FOLLOWED = r"(?= = |' | after a reset | is about |: write the system )"
 
 #: What a message advises, which has no place under a printed figure.
 _ADVICE = (
-    r"\. If it touches it, no step size helps: change the initial condition or a parameter; if not, take [^.;]*",
+    r"\. If it touches it, no step size helps: change [^.;]*\. Otherwise take [^.;]*",
     r"[;,] (?:take|give) [^.;]*(?:\.\d[^.;]*)*",
 )
 

@@ -313,7 +313,7 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
         (
             "elliptic_curve",
             20.0,
-            " to t = 20.07 rather than 20, which is too close to a crossing",
+            " to t = 20.07 (t = 20 is too close to a crossing)",
         ),
         (
             core.PiecewiseSystem(

@@ -126,7 +126,7 @@ def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
     assert "The end time has no effect here." in explorer.view.words.object
     assert "page" not in explorer.view.how(explorer.view.outcome)
     assert "the beginning and the end of sliding count as crossings" in told
-    assert "Euclidean norm" in explorer.view.how(explorer.view.outcome)
+    assert "Euclidean distance" in explorer.view.how(explorer.view.outcome)
 
 
 def test_where_no_step_is_made_the_view_says_why(explorer):

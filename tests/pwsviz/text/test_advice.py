@@ -79,7 +79,7 @@ def test_sizes_of_variables_are_told_by_their_symbols():
     [
         (
             "The run passes the surface by less than its own error: the solution may meet, touch or miss it. If it "
-            "touches it, no step size helps: change the initial condition or a parameter; if not, take a smaller τ.",
+            "touches it, no step size helps: change the initial condition or a parameter. Otherwise take a smaller τ.",
             "The run passes the surface by less than its own error: the solution may meet, touch or miss it.",
         ),
         ("τ exceeds the window: a second crossing cannot be excluded; take τ below 0.01.",

@@ -50,6 +50,15 @@ def test_runs_that_stopped_say_why_once():
     assert "rk2: t = 1.1: blew up" in lines
 
 
+def test_what_several_messages_end_with_is_said_once():
+    runs = [summary(), summary(method="rk2"), summary(method="rk4")]
+    said = ["From t = 9 on, errors grow. Averages may be right.", "From t = 8 on, errors grow. Averages may be right."]
+    lines = run_lines(runs, [*said, "From t = 8 on, errors grow. Take a smaller τ."])
+    assert lines.count("Averages may be right.") == 1
+    assert "rk2: From t = 8 on, errors grow." in lines
+    assert "rk4: From t = 8 on, errors grow. Take a smaller τ." in lines
+
+
 def test_integrators_that_are_left_out_are_named_with_the_reason():
     assert "dmm2, dmm4, dmm6, dmm8, prk8 and taylor conserve ψ to round-off." in method_notes(Scene())
     assert "conserve ψ" not in method_notes(Scene(system="gene_switch")), "none is known"
