@@ -23,7 +23,7 @@ from core.methods import METHODS
 __all__ = ["amplified", "tells_of_growth"]
 
 #: How a warning begins of errors that do not only add up.
-_GROW = "small errors grow by a factor of "
+_GROW = "Small errors grow by a factor of "
 #: Error, relative to the range of a variable so far, that is told.
 _SPOILT = 0.1
 #: Error, relative to the same, from which on the range is no longer widened: the run's own error may do so.
@@ -55,21 +55,21 @@ def amplified(run: Trajectory) -> Iterator[str]:
     Yields
     ------
     str
-        A sentence without the last full stop; none where small errors stay small.
+        Sentences without the last full stop; none where small errors stay small.
     """
     if run.t[-1] == run.t[0] or run.status in RUNS_AWAY:  # at a pole every error grows without bound
         return
     growth = _growth(run)
     if growth.spoilt is not None:
         yield (
-            f"From t = {growth.spoilt:.3g} on, the states need not be those of the exact solution: "
-            f"{_told(growth.factor)} up to there, and rounding alone may amount to a tenth of the range of the state. "
+            f"From t = {growth.spoilt:.3g} on, the states need not be those of the exact solution. "
+            f"{_told(growth.factor)} up to there. Rounding alone may then amount to a tenth of the range of the state. "
             "Averages, and the set that the orbit fills, may still be right"
         )
 
 
 def _told(factor: float) -> str:
-    return f"{_GROW}{factor:.0e}" if factor > _SOME else "small errors add up"
+    return f"{_GROW}{factor:.0e}" if factor > _SOME else "Small errors add up"
 
 
 def tells_of_growth(warning: str) -> bool:

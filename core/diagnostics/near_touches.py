@@ -139,7 +139,7 @@ def _words(run: Trajectory, least: _Least, error: float) -> str:
     what = "a parameter" if least.instant else "the initial condition or a parameter"
     known = f", about {max(error, least.noise):.1g} in g" if math.isfinite(error) else ", as smaller steps show"
     return (
-        f"At t = {least.t:.6g} the run passes the surface at a distance below its accumulated error{known}: the "
+        f"At t = {least.t:.6g} the run passes the surface at a distance below its accumulated error{known}. The "
         f"solution may meet it there, touch it or miss it. If it touches it, no step size helps: change {what}. "
         f"Otherwise take {'a smaller tolerance' if adaptive else 'a smaller tau'}"
     )
