@@ -18,7 +18,7 @@ from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.numbers import printed
-from pwsviz.text.words import as_text, duration, listed, plural, rounded
+from pwsviz.text.words import as_text, duration, listed, plural, rounded, sentences
 
 TIMED = 0.01
 """Seconds of a run from which on its time is told: a shorter one, taken once, would mislead. The view Cost repeats."""
@@ -62,14 +62,11 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
     return "".join(lines) + "".join(as_text(words, "stopped") for words in _said_once([*reasons, *warned]))
 
 
-_ENDS_SENTENCE = re.compile(r"(?<=\.) (?=[A-Z])")
-
-
 def _said_once(paragraphs: Sequence[str]) -> Iterator[str]:
     """Yield paragraphs, each without the sentences after its first that one before it has."""
     known: set[str] = set()
     for paragraph in paragraphs:
-        first, *others = _ENDS_SENTENCE.split(paragraph)
+        first, *others = sentences(paragraph)
         yield " ".join([first, *(words for words in others if words not in known)])
         known.update(others)
 

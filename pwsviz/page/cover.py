@@ -18,7 +18,8 @@ from pwsviz.page.help import GREETING_CSS, greeting
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.first import first_scene
 from pwsviz.scene.presets import FIRST_LOOK, PRESETS
-from pwsviz.widgets.browser import CRAMPED, IS_DARK, LOW, NARROW
+from pwsviz.widgets.browser import CRAMPED, IS_DARK
+from pwsviz.widgets.widths import LOW, NARROW
 
 __all__ = ["COLUMNS", "LEAST", "SIDEBAR_WIDTH", "Cover", "portrait_of_a_fresh_page"]
 

@@ -12,9 +12,9 @@ import core
 from pwsviz.scene.presets import Preset
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import as_text
-from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.panes import PLAIN_SX, markup_pane
+from pwsviz.widgets.widths import NARROW
 
 __all__ = ["ABOUT", "CHANGED", "CITATION", "FIRST", "GREETING_CSS", "Help", "greeting", "look_of", "note_of"]
 

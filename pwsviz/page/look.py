@@ -6,9 +6,9 @@ from itertools import pairwise
 from typing import Any
 
 from pwsviz.page.cover import COLUMNS, LEAST
-from pwsviz.widgets.browser import LOW, NARROW
 from pwsviz.widgets.more_tabs import MORE_TABS_SX
 from pwsviz.widgets.panes import PLAIN_SX
+from pwsviz.widgets.widths import LOW, NARROW
 
 __all__ = [
     "ABOUT_CSS",

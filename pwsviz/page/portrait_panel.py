@@ -40,10 +40,10 @@ from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.advice import without_advice
 from pwsviz.text.words import as_text, complaint, failure
-from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.disclosure import Disclosure
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 from pwsviz.widgets.progress import bar_pane
+from pwsviz.widgets.widths import NARROW
 
 REST = 1.5
 """Seconds without a change of a run until it is examined whether its steps are too long."""

@@ -13,6 +13,13 @@ from pwsviz.text.numbers import RAISED, printed
 _SIZE = re.compile(r"\|[^|<>]{1,24}\|")
 """An absolute value, at whose bars a browser would break the line."""
 
+_ENDS_SENTENCE = re.compile(r"(?<=\.) (?=[A-Z])")
+
+_MORE = """<button class="more" aria-expanded="false" onclick="\
+this.ariaExpanded = this.ariaExpanded != 'true'; this.textContent = this.ariaExpanded == 'true' ? 'less' : 'more'\
+">more</button> """
+"""Before what it unfolds; seen on narrow screens only."""
+
 
 def as_text(words: str, kind: str = "") -> str:
     """Return a paragraph with these words, escaped, and with their numbers as they are printed."""
@@ -20,8 +27,19 @@ def as_text(words: str, kind: str = "") -> str:
         return ""
     role = ' role="alert"' if kind == "error" else ""
     markup = _SIZE.sub(r'<span style="white-space: nowrap">\g<0></span>', escape(printed(words)))
-    markup = f"<span>{markup}</span>" if kind == "stopped" else markup  # in a lecture it lies over what follows
+    markup = f"<span>{_folded(markup)}</span>" if kind == "stopped" else markup  # in a lecture over what follows
     return f'<p class="{kind}"{role}>{markup}</p>'
+
+
+def sentences(words: str) -> list[str]:
+    """Return the sentences of a paragraph."""
+    return _ENDS_SENTENCE.split(words)
+
+
+def _folded(markup: str) -> str:
+    """Return a warning whose sentences after the first are unfolded on narrow screens by a button."""
+    first, *others = sentences(markup)
+    return f'{first} {_MORE}<span class="others">{" ".join(others)}</span>' if others else first
 
 
 def listed(names: Sequence[str]) -> str:

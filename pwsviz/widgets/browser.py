@@ -12,12 +12,10 @@ from pwsviz.widgets.dialog import KEEP_FOCUS
 from pwsviz.widgets.dropdown import CHOOSER
 from pwsviz.widgets.more_tabs import MORE_TABS
 from pwsviz.widgets.panes import FADED
-
-NARROW, LOW = 600, 480
-"""Pixels of window width and height below which the controls start hidden, as they would cover or press the picture."""
+from pwsviz.widgets.widths import LOW, NARROW
 
 CRAMPED = f"(innerWidth < {NARROW} || innerHeight < {LOW})"
-"""JavaScript of whether they do."""
+"""JavaScript of whether the window is so small that the controls start hidden."""
 
 PATIENCE = 3000
 """Milliseconds for which a picture that is to be replaced is faded, unless the server does it."""

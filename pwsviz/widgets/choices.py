@@ -7,7 +7,7 @@ from typing import ClassVar
 import panel as pn
 import param
 
-from pwsviz.widgets.browser import NARROW
+from pwsviz.widgets.widths import NARROW
 
 __all__ = ["SEEN_NAME", "Choices"]
 

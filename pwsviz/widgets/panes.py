@@ -10,6 +10,7 @@ from bokeh.plotting import figure
 
 from pwsviz.text.maths_font import FORMULAS
 from pwsviz.text.words import as_text
+from pwsviz.widgets.widths import NARROW
 
 FADED = {"opacity": "0.35"}
 """Additional styles of a pane that shows an outdated result."""
@@ -41,6 +42,12 @@ p { margin: 0 0 2px 0; }
 .stopped > span { display: block; background: var(--mui-palette-background-default); }
 .stopped:not(:hover) > span { white-space: var(--warned, normal); overflow: hidden; text-overflow: ellipsis; }
 .stopped:hover > span { position: relative; z-index: 2; }
+.more { display: none; font: inherit; color: var(--mui-palette-primary-main); background: none; border: none;
+        padding: 2px 6px; margin: 0; cursor: pointer; text-decoration: underline; }
+@media (width < NARROWpx) {
+  .more { display: inline; }
+  .more:not([aria-expanded=true]) + .others { display: none; }
+}
 .numbers { overflow-x: auto; margin: 2px 0 8px 0; }
 .numbers table { border-collapse: collapse; font-size: 0.8125rem; }
 .numbers caption { text-align: left; color: var(--mui-palette-text-secondary); padding-bottom: 2px;
@@ -51,7 +58,7 @@ p { margin: 0 0 2px 0; }
 .run { display: flex; align-items: baseline; gap: 8px; }
 .run svg { flex: none; align-self: center; }
 .run b { font-weight: 600; }
-"""
+""".replace("NARROW", str(NARROW))
     + FORMULAS
 )
 

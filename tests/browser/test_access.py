@@ -7,7 +7,7 @@ from importlib import resources
 import pytest
 
 from pwsviz.figures.colours import ON_DARK
-from pwsviz.widgets.browser import NARROW
+from pwsviz.widgets.widths import NARROW
 from tests.browser.looking import THEME, UNPRINTED, await_built, await_painted, becomes, field, moments, type_into
 
 sync_api = pytest.importorskip("playwright.sync_api")

@@ -286,6 +286,25 @@ def test_on_a_phone_the_words_on_a_run_that_blows_up_stand_between_the_portrait_
 
 
 @pytest.mark.deep
+@pytest.mark.parametrize("width", [420, 1400])
+def test_a_warning_is_folded_after_its_first_sentence_on_a_phone_and_whole_on_a_wide_screen(visit, width):
+    page = visit(width, 900, query="v=2&methods=rk2&tau=0.4")
+    whole = page.locator(".others").get_by_text("Otherwise take a smaller step size").locator("visible=true")
+    more = page.get_by_role("button", name="more", exact=True)
+    first = page.get_by_text(re.compile("^rk2: .*grows beyond bounds")).locator("visible=true")
+    assert becomes(page, lambda: first.count() == 1)
+    if width > 1000:
+        assert whole.count() == 1
+        assert more.count() == 0
+        return
+    assert whole.count() == 0
+    more.click()
+    assert becomes(page, lambda: whole.count() == 1)
+    page.get_by_role("button", name="less", exact=True).click()
+    assert becomes(page, lambda: whole.count() == 0)
+
+
+@pytest.mark.deep
 def test_on_a_phone_the_first_screen_says_what_the_page_is_and_what_to_try(phone):
     words = phone.get_by_text(re.compile("across a surface.*Tap in the portrait")).locator("visible=true")
     assert words.count() == 1
