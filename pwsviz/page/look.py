@@ -80,7 +80,7 @@ def tabs_sx(subjects: list[str]) -> dict[str, Any]:
 
 
 ABOUT_CSS = """
-footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;
+footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 6px; padding: 4px 0; font-size: 0.8125rem;
          color: var(--mui-palette-text-secondary); display: var(--usual, block); }
 footer a { color: inherit; }
 @media (width < NARROWpx) or (width >= 1150px) { .about { display: none; } }

@@ -304,6 +304,13 @@ def test_a_warning_is_folded_after_its_first_sentence_on_a_phone_and_whole_on_a_
     assert becomes(page, lambda: whole.count() == 0)
 
 
+def test_the_footer_of_the_first_page_is_seen_whole(visit):
+    page = visit(1400, 900)
+    await_painted(page, "conserved quantity")
+    words = page.locator("footer p").last
+    assert becomes(page, lambda: words.bounding_box()["y"] + words.bounding_box()["height"] <= 900)
+
+
 @pytest.mark.deep
 def test_on_a_phone_the_first_screen_says_what_the_page_is_and_what_to_try(phone):
     words = phone.get_by_text(re.compile("across a surface.*Tap in the portrait")).locator("visible=true")
