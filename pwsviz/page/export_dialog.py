@@ -50,6 +50,14 @@ setTimeout(() => tell(label), 3000)
 """
 
 
+TITLE = "Export & share"
+
+OPEN_AT_ONCE = """
+const models = [...button.document._all_models.values()]
+models.find(model => model.data?.title == TITLE && "open" in model.data)?.data.setv({ open: true })
+""".replace("TITLE", repr(TITLE))
+"""JavaScript of the `button` that opens the dialog: its frame is there before the server has answered."""
+
 NOT_YET = "not computed yet, or not to its end: its files will be offered here when it is."
 """Words in place of the files of a view."""
 
@@ -118,14 +126,21 @@ class ExportDialog(pn.viewable.Viewer):
         self.not_saved, self.not_written = _complaint(), _complaint()  # said by the browser, and by the server
         self.complaints = pn.Column(margin=0)
         self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # receives clicks on widgets added later
-        self.dialog = dialog("Export & share", self.contents)
+        self.preparing = pmui.Typography("Preparing …", margin=(8, 0), color="text.secondary")
+        self.dialog = dialog(TITLE, self.preparing, self.contents)
+        self._reveal(False)
         self.dialog.param.watch(self._drop_files, "open")
         self._address = ""
 
     def _drop_files(self, event: Any) -> None:
         """Drop the files once the dialog is closed: they may be large."""
         if not event.new:
+            self._reveal(False)
             self.numbers.objects = []
+
+    def _reveal(self, ready: bool) -> None:
+        """Show the contents, or that they are yet to come: a browser opens the dialog before the server knows."""
+        self.contents.visible, self.preparing.visible = ready, not ready
 
     def open(self, address: str) -> None:
         """Open the dialog on the present scene.
@@ -148,6 +163,7 @@ class ExportDialog(pn.viewable.Viewer):
         self.not_written.object = ""
         self.dialog.open = True
         self.refresh()
+        self._reveal(True)
 
     def refresh(self) -> None:
         """Offer the files of what is visible by now, while the dialog is open."""

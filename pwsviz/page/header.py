@@ -9,6 +9,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from pwsviz.page.export_dialog import OPEN_AT_ONCE, TITLE
 from pwsviz.page.help import ABOUT, CITATION
 from pwsviz.page.look import ABOUT_CSS, FOR_FINGERS, HEADER_SX, NOT_IN_LECTURES, NOT_ON_PHONES
 from pwsviz.scene.history import History
@@ -38,9 +39,10 @@ def header(
     for button, other in ((back, forth), (forth, back)):
         hand_on(button, other)
     share = pmui.Button(
-        label="Export & share", icon="ios_share", variant="text", size="small", margin=4,
+        label=TITLE, icon="ios_share", variant="text", size="small", margin=4,
         sx=HEADER_SX | FOR_FINGERS | NOT_IN_LECTURES,
     )  # fmt: skip
+    share.js_on_click(args={"button": share}, code=OPEN_AT_ONCE)
     share.on_click(lambda _: export())
     parts = [
         back, forth, share, _button("co_present", LECTURE, lecture, 4, NOT_ON_PHONES),

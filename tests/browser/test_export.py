@@ -211,6 +211,34 @@ TEXT_LINES = """svg => {
 """The lines of the caption, which stand directly in a picture."""
 
 
+HOLD = """() => {
+    const {send} = WebSocket.prototype, kept = []
+    WebSocket.prototype.send = function(words) { kept.push(() => send.call(this, words)) }
+    window.release = () => { WebSocket.prototype.send = send; kept.forEach(one => one()) }
+}"""
+"""Keep from the server what the page sends, until it is released: as a server does that is at work."""
+
+
+def test_the_dialog_says_at_once_that_it_prepares_and_has_its_files_when_the_server_answers(visit):
+    page = visit(1400, 900)
+    await_still(page)
+    page.evaluate(HOLD)
+    button = page.get_by_role("button", name=re.compile("Export"))
+    for _ in range(2):
+        button.click()
+        words = page.get_by_role("dialog").get_by_text("Preparing …")
+        words.wait_for(timeout=3000)
+        assert not page.get_by_label("Link to this scene").is_visible()
+        page.evaluate("release()")
+        page.get_by_role("button", name="SVG").nth(1).wait_for()
+        words.wait_for(state="hidden")
+        assert page.get_by_label("Link to this scene").input_value()
+        page.keyboard.press("Escape")
+        page.get_by_role("dialog").wait_for(state="hidden")
+        page.wait_for_timeout(500)
+        page.evaluate(HOLD)
+
+
 def test_a_failing_export_says_why(visit):
     page = visit()
     await_that(page, PORTRAIT)
