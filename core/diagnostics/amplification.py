@@ -63,7 +63,7 @@ def amplified(run: Trajectory) -> Iterator[str]:
     if growth.spoilt is not None:
         yield (
             f"From t = {growth.spoilt:.3g} on, the states need not be those of the exact solution. "
-            f"{_told(growth.factor)} up to there. Rounding alone may then amount to a tenth of the range of the state. "
+            f"{_told(growth.factor)} until then. Rounding alone may then amount to a tenth of the range of the state. "
             "Averages, and the set that the orbit fills, may still be right"
         )
 
