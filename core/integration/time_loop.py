@@ -128,7 +128,6 @@ def compiled_march(watching: bool = False) -> Callable[..., int]:
 def _compiled(watching: bool) -> Callable[..., int]:
     sources, head = source_digest(__name__), Frame(0, 0).x
 
-    @njit(march_signature(), cache=True, nogil=True, **OPTIONS)
     def march(
         functions, guards, records, p, w, d, scratch, nodes, pieces, budget,
         rows, rows_x, hits, places, envelope, samples, looks, passes, events, found, found_x, v, series,
@@ -248,4 +247,6 @@ def _compiled(watching: bool) -> Callable[..., int]:
                 return _CONTRADICTION if guards_contradict(context, h) else _COMPLETED
         return RUNNING
 
-    return march  # type: ignore[no-any-return]
+    # By its name the linker tells one from the other: loaded from the cache, both would be the first one.
+    march.__qualname__ += "_watching" if watching else ""
+    return njit(march_signature(), cache=True, nogil=True, **OPTIONS)(march)  # type: ignore[no-any-return]

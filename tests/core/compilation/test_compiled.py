@@ -65,6 +65,11 @@ def test_only_a_run_with_events_waits_for_the_loop_that_locates_them(monkeypatch
     assert compiled_march() is compiled_march(False) is not compiled_march(True)
 
 
+def test_the_two_time_loops_have_different_names():
+    names = {compiled_march(watching).py_func.__qualname__ for watching in (False, True)}
+    assert len(names) == 2, "of one name, compiled by different processes and loaded from the cache, both are the first"
+
+
 def test_what_is_being_compiled_is_told_while_it_is():
     names = []
     with compiling("the time loop"), compiling("rk2"):
