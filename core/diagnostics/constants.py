@@ -8,6 +8,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 import sympy
+from numpy.typing import NDArray
 
 from core.diagnostics.encounters import Branch, by_number
 from core.diagnostics.scheme import Scheme, largest_component
@@ -17,12 +18,14 @@ from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 
-__all__ = ["discrete_constants", "rates", "second_rate_bound", "wellposed_bound"]
+__all__ = ["discrete_constants", "meets_again", "rates", "second_rate_bound", "wellposed_bound"]
 
 #: Number of Runge-Kutta steps by which the exact solution is followed over a step.
 _PARTS = 4
 #: Lengths of the discrete steps examined, besides 0, in units of the longest step.
 _DISCRETE_PARTS = (0.5, 1.0)
+#: The same, of those at whose ends the sign of g is looked at.
+_PARTS_AFTER = np.arange(1, 17) / 16.0
 #: Radii δ tried for τ*, in units of ‖fᵗ‖/L₂, the distance over which the discrete field changes by its own size.
 _RADII = 4.0 ** np.arange(-1, 5)
 #: Radius of the differences from which that L₂ is computed, relative to the size of the state.
@@ -74,6 +77,21 @@ def discrete_constants(scheme: Scheme, branch: Branch) -> tuple[Floats, Floats, 
             end = branch.x + s[:, None] * v
             largest = np.maximum(largest, np.abs(_curvature(system, branch, branch.t + s, end, v)))
     return least, 0.5 * largest, end
+
+
+def meets_again(scheme: Scheme, branch: Branch) -> NDArray[np.bool_]:
+    """(k,) whether g has the wrong sign at the end of a step from the surface, or the step has no solution.
+
+    The steps are parts of the longest, in either direction. Where all have the right sign, the scheme does not meet
+    the surface again within a step, whatever the sufficient conditions of the theory leave open.
+    """
+    way, wrong = np.sign(branch.rate), np.zeros(len(branch.t), dtype=bool)
+    for part in _PARTS_AFTER:
+        h = part * branch.length
+        v = by_number(branch.mode, scheme.velocity, branch.t, branch.x, h)
+        g = _heights(scheme.system, branch, branch.t + h, branch.x + h[:, None] * v)
+        wrong |= ~(way * np.sign(h) * g > 0.0) & (h != 0.0)
+    return np.asarray(wrong & branch.known)
 
 
 def wellposed_bound(scheme: Scheme, mode: Integers, t0: Floats, x0: Floats, t1: Floats) -> Floats:
@@ -152,6 +170,15 @@ def _slopes(system: PiecewiseSystem, branch: Branch) -> Floats:
         return _values(system, ("g_t, grad g", surface), slopes(system.laws, surface), t, x)
 
     return by_number(branch.surface, of, branch.t, branch.x)
+
+
+def _heights(system: PiecewiseSystem, branch: Branch, t: Floats, x: Floats) -> Floats:
+    """(k,) g of the surface of a branch at other points."""
+
+    def of(surface: int, t: Floats, x: Floats) -> Floats:
+        return _values(system, ("g", surface), (system.laws.surfaces[surface],), t, x)[:, 0]
+
+    return by_number(branch.surface, of, t, x)
 
 
 def _curvature(system: PiecewiseSystem, branch: Branch, t: Floats, x: Floats, v: Floats) -> Floats:

@@ -16,6 +16,7 @@ from core.diagnostics.cancellation import cancelled
 from core.diagnostics.clock import blurs, by_its_own_clock, from_zero, is_blurred
 from core.diagnostics.constants import (
     discrete_constants,
+    meets_again,
     rates,
     second_rate_bound,
     wellposed_bound,
@@ -172,7 +173,7 @@ def _warning(run: Trajectory) -> str:
         touches, coarse = tuple(islice(near_touches(run, rounding=True), 1)), unresolved(run)[:1]
         warnings = (". ".join((*touches, *coarse)),) if touches or coarse else tuple(islice(doubts, 1))
     if not warnings:
-        warnings = _diagnosis(run, judged).warnings
+        warnings = _borne_out(run, judged, _diagnosis(run, judged))
     return f"{warnings[0]}." if warnings else ""
 
 
@@ -200,6 +201,20 @@ def _diagnosis(run: Trajectory, crossings: Crossings) -> Diagnosis:
     warnings = () if chosen else tuple(_warnings(run.tau, crossings.t, constants))
     summary = _summary(run, crossings, constants, warnings)
     return Diagnosis(**columns, alpha_S2=least, alpha_hat_S2=least_hat, tau=run.tau, warnings=warnings, summary=summary)
+
+
+def _borne_out(run: Trajectory, crossings: Crossings, found: Diagnosis) -> tuple[str, ...]:
+    """The warnings of a diagnosis, of steps that may meet the surface again only where they do: see `meets_again`."""
+    if not found.warnings:
+        return ()
+    met, scheme = encounters(run, crossings), Scheme(run.system, run.method)
+    with np.errstate(all="ignore"):
+        again = meets_again(scheme, met.before) | (meets_again(scheme, met.after) & ~met.one_way)
+    close = np.abs(np.diff(crossings.t)) < run.tau  # it does meet a surface again
+    again |= np.append(close, False) | np.insert(close, 0, False)
+    windows = {name: np.where(again, getattr(found, name), np.inf) for name in ("window", "window_hat", "alpha_hat2")}
+    constants = Constants(**{f.name: windows.get(f.name, getattr(found, f.name)) for f in fields(Constants)})
+    return tuple(_warnings(run.tau, crossings.t, constants))
 
 
 def _constants(scheme: Scheme, met: Encounters) -> Constants:

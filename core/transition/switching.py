@@ -140,8 +140,9 @@ def jump(context):
     """Jump, and find where the fields lead from there: status, kind, row of the mode entered, and the rate into it.
 
     If the declared jump leads from the surface to the surface, the sign of g after the jump tells nothing: it is
-    round-off, or the state was beside the surface before. The fields decide. Otherwise the sign of g decides, unless g
-    is within rounding of zero. A one-way guard leads to its mode from wherever the jump has led.
+    round-off, or the state was beside the surface before. The fields decide, of a state beside it if one of them leads
+    away. Otherwise the sign of g decides, unless g is within rounding of zero. A one-way guard leads to its mode from
+    wherever the jump has led.
     """
     run, x, w = context.run, context.x, context.w
     row = run.row + run.guard
@@ -150,9 +151,11 @@ def jump(context):
     for i in range(x.size):
         x[i], context.carry[i] = context.place[i], 0.0
     into_minus, into_plus = evaluate_rates(context, row, run.t)
-    run.leaving = 1 if guard.jump == JUMP_TO_SURFACE or is_on_surface(context) else 0
+    landed = run.follow == 1 and run.shift == 0.0
+    into_here = into_plus if run.sign > 0 else into_minus
+    away = into_here > 0.0 if guard.to == NO_MODE else into_minus > 0.0 or into_plus > 0.0
+    run.leaving = 1 if (guard.jump == JUMP_TO_SURFACE and (landed or away)) or is_on_surface(context) else 0
     if guard.to == NO_MODE:  # a wall: no law is declared beyond
-        into_here = into_plus if run.sign > 0 else into_minus
         if run.leaving == 0:
             return (_RUNNING if run.sign * w[G] > 0.0 else _UNDECLARED), _JUMP_KIND, here, into_here
         return (_RUNNING, _JUMP_KIND, here, into_here) if into_here > 0.0 else (_SLIDING, _SLIDING_KIND, here, 0.0)

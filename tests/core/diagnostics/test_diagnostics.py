@@ -378,3 +378,13 @@ def test_a_region_without_crossings_costs_nothing():
         assert found.tolist() == pytest.approx([math.nan if n < 0 else n * u for n, u in zip(regions, t, strict=False)],
                                                nan_ok=True)  # fmt: skip
         assert len(asked) == max(1, len(set(regions) - {-1}))
+
+
+@pytest.mark.parametrize("method", ["rk4", "prk8", "dmm2"])
+def test_a_bound_that_is_exceeded_is_no_warning_where_the_scheme_does_not_meet_the_surface_again(method):
+    # The circle shrinks onto an orbit that turns by 0.1 in a step: the chord points back, but g is monotone.
+    field, psi = ("y", "-x"), ("x**2 + y**2",)
+    system = core.PiecewiseSystem("slow", ("x", "y"), field, field, "x**2 + y**2 - 1 - t/100", psi, psi, x0=(0.6, 0.9))
+    run = core.integrate(system, (0.0, 30.0), tau=0.1, method=method)
+    assert any("discrete transversality" in words for words in diagnose(run).warnings)
+    assert step_warning(run) == ""
