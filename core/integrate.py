@@ -229,6 +229,11 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None, region: 
         raise ValueError(f"x0 = {start!r}: {word} has no finite value there; {_OTHER}")
     for k, g in enumerate(heights):
         if g == 0.0 and not gradients[k * (1 + d) : (k + 1) * (1 + d)].any():
+            if k in laws.instants:
+                raise ValueError(
+                    f"t0 = {t0!r}: {word} and its rate vanish then; write it with a simple zero, or "
+                    "choose another start time"
+                )
             raise ValueError(
                 f"x0 = {start!r}: {word} and its gradient vanish there, so {word} has no surface; {_OTHER}"
             )

@@ -24,6 +24,8 @@ __all__ = ["led_astray"]
 
 #: Distance from the run in finer steps, relative to the range of a variable, that is told.
 _FAR = 0.1
+#: The same for a method that keeps a tolerance, of which more is expected.
+_FAR_KEPT = 0.01
 #: Range of a variable, relative to its size, that may be rounding.
 _RESTS = 2.0**-44
 #: Number of equally spaced times at which both runs are compared …
@@ -71,7 +73,8 @@ def led_astray(run: Trajectory) -> Iterator[str]:
             yield f"{where}, as beside a saddle point: {shorter}"
         else:
             along = "" if run.system.laws.names_time else ", not counting a shift in time"
-            grown = f"By t = {t:.3g} the errors of the steps have grown to a tenth of the range of the state"
+            share = "a hundredth" if adaptive else "a tenth"
+            grown = f"By t = {t:.3g} the errors of the steps have grown to {share} of the range of the state"
             yield f"{grown}{along}: {shorter}"
 
 
@@ -91,16 +94,17 @@ def _astray(run: Trajectory, finer: Trajectory) -> tuple[float, bool] | None:
     low, high = (one[rows if run.status in RUNS_AWAY else [last] * len(rows)] for one in (low, high))
     moves = high - low > _RESTS * np.maximum(np.abs(low), np.abs(high))
     units = with_units_of_others(run, np.where(moves, high - low, np.inf))
-    orbit, shift, before = _Orbit(finer), 0.0, run.t[0]
+    far = _FAR_KEPT if METHODS[run.method].adaptive else _FAR
+    orbit, shift, before = _Orbit(finer, far), 0.0, run.t[0]
     for k, size in zip(rows.tolist(), units, strict=True):
         t = float(run.t[k])
         around = (0.0 if forced else _SHIFT * abs(t - before)) + (0.0 if forced and not jumps else 2.0 * finer.tau)
-        if forced and not jumps and k == last and _apart_at(finer, t, run.x[k], size):
+        if forced and not jumps and k == last and _apart_at(finer, t, run.x[k], far * size):
             return t, False
         if finer.status in _UNFINISHED and way * (t + shift) + around > way * finer.t[-1]:
             return None
         distance, found = orbit.nearest(t + shift, around, run.x[k], size)
-        if distance >= _FAR:
+        if distance >= far:
             return t, False
         if passes and not passes.alike(k, found):
             return t, True
@@ -108,16 +112,17 @@ def _astray(run: Trajectory, finer: Trajectory) -> tuple[float, bool] | None:
     return None
 
 
-def _apart_at(finer: Trajectory, t: float, x: Floats, size: Floats) -> bool:
+def _apart_at(finer: Trajectory, t: float, x: Floats, far: Floats) -> bool:
     """Whether a state is far from that of another run at the same time, which a step of that other may lead past."""
     reached = abs(t - finer.t[0]) <= abs(finer.t[-1] - finer.t[0])
-    return bool(reached and (np.abs(finer.at(np.array([t]))[0] - x) >= _FAR * size).any())
+    return bool(reached and (np.abs(finer.at(np.array([t]))[0] - x) >= far).any())
 
 
 class _Orbit:
     """The recorded states of a run, with those where it met a surface, in order of time."""
 
-    def __init__(self, run: Trajectory) -> None:
+    def __init__(self, run: Trajectory, far: float) -> None:
+        self._far = far  # distance that is told
         met, self.way = run.crossings, 1.0 if run.t[-1] >= run.t[0] else -1.0
         of = np.arange(len(met))
         t, segment = np.concatenate([run.t, met.t, met.t]), np.concatenate([run.segment, of, of + 1])
@@ -135,7 +140,7 @@ class _Orbit:
         rows = slice(max(min(first, len(self.t) - 1) - 1, 0), last + 1)
         pieces = self.t[rows], self.x[rows], self.segment[rows]
         found = _nearest(*pieces, t, x, size)
-        return found if found[0] < _FAR else _nearest(*self._divided(*pieces), t, x, size)
+        return found if found[0] < self._far else _nearest(*self._divided(*pieces), t, x, size)
 
     def _divided(self, t: Floats, x: Floats, segment: Integers) -> tuple[Floats, Floats, Integers]:
         """The orbit between some ends of steps, with places on the steps."""
