@@ -12,6 +12,7 @@ from core.integration.at_surface import AtSurface, at_surface
 from core.integration.corner import BEYOND
 from core.integration.failure import Growth, ends_beyond, ends_here, growth_of
 from core.integration.growth_loop import GROWTH
+from core.integration.overflow import overflowing
 from core.integration.recorded import Point
 from core.integration.run import SHORTER, Run
 from core.methods import METHODS, Method
@@ -235,6 +236,12 @@ def _advice(end: Ending) -> str:
         return (
             "With these values of the parameters the field has a limit there, with others it has none: write it "
             "without the factor that numerator and denominator have in common."
+        )
+    if status is Status.NO_CONVERGENCE and (term := overflowing(end.system, last, end.method.conservative)):
+        return (
+            f"{term}, or a power of it, is too large for a floating-point number here: write the law, or ψ, without "
+            "it, as (1 + tanh(u/2))/2 for 1/(1 + exp(-u)), or take a method that needs neither its derivatives nor ψ "
+            "(rk8)."
         )
     if edge := _edge(end):
         advice = (

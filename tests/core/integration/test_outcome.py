@@ -157,3 +157,18 @@ def test_a_law_that_begins_as_it_is_entered_is_told_so_and_the_advice_helps(meth
     assert ("take rk8" in run.message) is (method == "taylor")
     mended = {"sqrt(t - 0.3)": "((t - 0.3)**2)**0.25", "(t - 0.3)**(4/3)": "((t - 0.3)**2)**(2/3)"}[law]
     assert _ended((mended, "-1"), ("1", "-1"), "y", (0.0, 0.3), "rk8").status is Status.COMPLETED
+
+
+@pytest.mark.parametrize(
+    ("f", "method", "term"),
+    [
+        ("tanh(400*(x - 1))", "dmm2", "cosh(400*x - 400)"),  # of its ψ
+        ("1/(1 + exp(-500*(x - 2)))", "taylor", "exp(1000 - 500*x)"),
+        ("1/cosh(300*(x - 3))", "taylor", "cosh(300*x - 900)"),
+    ],
+)
+def test_a_term_that_is_too_large_for_a_number_is_named(f, method, term):
+    system = core.PiecewiseSystem("steep", ("x", "y"), ("1", f), ("1", f), "x - 5", x0=(0.0, 0.0))
+    run = core.integrate(system, (0.0, 4.0), method=method, tau=None if method == "taylor" else 0.01)
+    assert run.status is Status.NO_CONVERGENCE
+    assert f"{term}, or a power of it, is too large for a floating-point number here" in run.message
