@@ -210,7 +210,8 @@ def _borne_out(run: Trajectory, crossings: Crossings, found: Diagnosis) -> tuple
     met, scheme = encounters(run, crossings), Scheme(run.system, run.method)
     with np.errstate(all="ignore"):
         again = meets_again(scheme, met.before) | (meets_again(scheme, met.after) & ~met.one_way)
-    close = np.abs(np.diff(crossings.t)) < run.tau  # it does meet a surface again
+    close = np.abs(np.diff(crossings.t)) < run.tau  # it does meet a surface again, if not by a bounce
+    close &= (crossings.kind[:-1] != "jump") & (crossings.kind[1:] != "jump")
     again |= np.append(close, False) | np.insert(close, 0, False)
     windows = {name: np.where(again, getattr(found, name), np.inf) for name in ("window", "window_hat", "alpha_hat2")}
     constants = Constants(**{f.name: windows.get(f.name, getattr(found, f.name)) for f in fields(Constants)})

@@ -72,10 +72,10 @@ def led_astray(run: Trajectory) -> Iterator[str]:
             where = f"At t = {t:.6g} the run nearly comes to rest, and the errors of its steps decide where it goes on"
             yield f"{where}, as beside a saddle point: {shorter}"
         else:
-            along = "" if run.system.laws.names_time else ", not counting a shift in time"
+            along = "" if run.system.laws.names_time else ", not counting a shift in time,"
             share = "a hundredth" if adaptive else "a tenth"
-            grown = f"By t = {t:.3g} the errors of the steps have grown to {share} of the range of the state"
-            yield f"{grown}{along}: {shorter}"
+            grown = f"By t = {t:.3g} the errors of the steps{along} have grown to {share} of the range of the state"
+            yield f"{grown}: {shorter}"
 
 
 def _astray(run: Trajectory, finer: Trajectory) -> tuple[float, bool] | None:

@@ -31,8 +31,8 @@ def too_long_for_g(steps: Steps, hidden: NDArray[np.bool_]) -> Iterator[str]:
     """Warn of a step in which a pair of crossings may have been missed."""
     if hidden.any():
         yield (
-            f"{steps.named(np.argmax(hidden))} is too long for this surface: from there on g varies within a step "
-            f"more than its values and rates at the two ends show, so crossings may have been missed; "
+            f"{steps.named(np.argmax(hidden))} is too long for this surface: from there on g may change its "
+            f"sign twice within a step, and two crossings may have been missed; "
             f"{steps.advice}"
         )
 

@@ -172,7 +172,8 @@ def _singular(run: Run) -> tuple[str, bool]:
 def outcome(end: Ending) -> str:
     """Where a run ended, why, and what to do about it."""
     status, last = end.status, end.last
-    where, remarks = f"t = {last.t:.12g}", " ".join(end.cause.remarks)
+    digits = 7 if status is Status.GRAZING else 12  # g is flat there, and its rounding hides the rest of the time
+    where, remarks = f"t = {last.t:.{digits}g}", " ".join(end.cause.remarks)
     if status is Status.COMPLETED:
         return f"{where}: {status.reason}. {remarks}".strip()
     places = zip(end.system.variables, last.x, strict=True)

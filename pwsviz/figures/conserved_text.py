@@ -100,7 +100,8 @@ def meaning(curves: Sequence[ErrorCurve], met: str, bare: bool = False, round_of
         met = met if any(len(one.crossings) for one in curves) else ""
         words.append(f"|Δψ| is the change of ψ since the start{excluded(met, bare)}")
         if any(curve.between is not None for curve in curves):
-            words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
+            counted = "is not counted at jumps" if any(one.jumps for one in curves) else "is counted"
+            words.append(f"Crossings lie off the surface here, and the change of ψ that this causes {counted}")
         when = "up to each time" if round_off_grows(curves[0]) else "in the run"
         words += [f"The round-off line is {LEVEL} times the largest |ψ| + Σᵢ |xᵢ\u00a0∂ψ/∂xᵢ| {when}"] * round_off
     if CHANGE_OF_G in name:
@@ -148,7 +149,7 @@ def _change(curve: ErrorCurve) -> str:
     """Say whether the change of ψ by one integrator is round-off, bounded, or a drift; empty without ψ.
 
     Of a method that does not conserve ψ a change that rounding could explain is said to be at its level, not its
-    effect. Where crossings are perturbed, ψ may be conserved between them only.
+    effect. Where crossings lie off the surface, ψ may be conserved between them only.
     """
     known = (np.isfinite(curve.error) | np.isinf(curve.error)) & ~curve.sliding
     t, error, method = curve.t[known], curve.error[known], curve.method
@@ -163,7 +164,8 @@ def _change(curve: ErrorCurve) -> str:
         return f"{method} conserves ψ exactly{stops}"
     if kind := _kind_of_rounding(curve, error, known):
         kept = f"{method} {'conserves ψ to' if curve.keeps else 'stays at the level of'} {kind}"
-        return f"{kept}{stops}: max |Δψ| = {rounded(worst)}{_relative(worst, size)}"
+        between = " between jumps, which lie off the surface" * (curve.between is not None and curve.jumps)
+        return f"{kept}{between}{stops}: max |Δψ| = {rounded(worst)}{_relative(worst, size)}"
     if worst > CEILING:
         left = f"leaves the plot at t = {t[np.argmax(error > CEILING)]:.4g}"
         return f"{method} {f'stops at t = {curve.t_end:.4g}' if curve.runs_off else left}: {largest(error)}"
@@ -171,7 +173,8 @@ def _change(curve: ErrorCurve) -> str:
     if curve.runs_off:
         return f"{method}: max |Δψ| = {rounded(worst)}{stops}"  # ψ may grow large only there
     if curve.keeps and curve.between is not None and (kind := _kind_of_rounding(curve, curve.between[known], known)):
-        return f"{method} conserves ψ to {kind} between crossings, but perturbed crossings change it: {value} {until}"
+        kept = f"{method} conserves ψ to {kind} between crossings"
+        return f"{kept}, but crossings off the surface change it: {value} {until}"
     share = _share_of_crossings(curve, known)
     if 0.0 < LOST * _size_before(curve, error, known) <= worst:
         told = value if worst >= LOST * size else f"max |Δψ| = {rounded(worst)}"
@@ -189,11 +192,11 @@ def _size_before(curve: ErrorCurve, error: Floats, known: NDArray[np.bool_]) -> 
 
 
 def _share_of_crossings(curve: ErrorCurve, known: NDArray[np.bool_]) -> str:
-    """Say how much of a change arises between crossings where these are perturbed; empty where they are not."""
+    """Say how much of a change arises between crossings where these lie off the surface; empty where they do not."""
     if curve.between is None:
         return ""
     most = rounded_up(float(np.nanmax(curve.between[known])))
-    return f"; between two crossings ψ changes by at most {most}, and perturbed crossings change it, too"
+    return f"; between two crossings ψ changes by at most {most}, and crossings off the surface change it, too"
 
 
 def _kind_of_rounding(curve: ErrorCurve, error: Floats, known: NDArray[np.bool_]) -> str:

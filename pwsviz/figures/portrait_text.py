@@ -59,9 +59,11 @@ UNBROKEN = 40
 
 
 def perturbed_words(inputs: RunInputs) -> str:
-    """Say by how much crossing times are perturbed; empty where they are not."""
+    """Say by how much crossing times are perturbed, or that crossings are not located; empty where they are."""
     order, scale = inputs.scheme.perturbation_order, inputs.scheme.perturbation_scale
-    if order is None or not inputs.scheme.locate:
+    if not inputs.scheme.locate:
+        return "Crossings are not located: the law changes up to a step behind the surface, with an error of order 1."
+    if order is None:
         return ""
     shift = scale * inputs.tau**order
     by = f"{perturbation(order, scale)} = {shift:.3g}"

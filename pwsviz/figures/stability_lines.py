@@ -100,7 +100,7 @@ class GrazingFigure:
         rings = plot.scatter(
             "x", "y", source=self.wrong, marker="circle", fill_alpha=0.0, line_color=VERMILION, line_width=2, size=17
         )
-        mark_levels(plot, {MACHINE_EPSILON: "eps = 2⁻⁵²", FLOOR: "\n\nless, 0, or\nunknown:\ndrawn here"})
+        mark_levels(plot, {MACHINE_EPSILON: "eps = 2⁻⁵²", FLOOR: "\n\ntiny, 0, or\nunknown:\ndrawn here"})
         self.corners = fit_to_corners(plot, [1e-14, 0.1], [FLOOR / 2, 1e-12])
         rows = [
             ("", "@method, @side"),

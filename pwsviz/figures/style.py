@@ -175,7 +175,7 @@ LEVEL: dict[str, Any] = {"line_color": RULE, "line_dash": "dotted", "line_width"
 """Look of what marks a level."""
 
 
-BELOW_RANGE = "\nless, or 0:\ndrawn here"
+BELOW_RANGE = "\ntiny, or 0:\ndrawn here"
 """Name of the level at which smaller errors are drawn; its first line is empty, so that it stands below its level.
 
 In a narrow picture a name ends before its colon or its “=”."""

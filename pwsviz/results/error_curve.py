@@ -44,7 +44,7 @@ class ErrorCurve:
     keeps: bool = False
     """Whether the method keeps ψ to round-off, be it for the form of ψ: of any ψ if it is conservative."""
     between: Floats | None = None
-    """(n,) |change of ψ| since the last crossing, if crossings are perturbed: what the perturbation has no part in."""
+    """(n,) |change of ψ| since the last crossing, if crossings lie off the surface: what that has no part in."""
     undefined: float = np.nan
     """Time from which on ψ is not defined where the run is, though one is known there; NaN if there is none."""
     steps: int = 0
@@ -52,6 +52,8 @@ class ErrorCurve:
     shift: float = 0.0
     """How far the mean of a Δψ moves from the first to the last third of the run, in widths of its band in a third; the
     largest over several ψ. It is 2 for a change in proportion to time, and about 0 where Δψ only oscillates."""
+    jumps: bool = False
+    """Whether the state jumps at crossings, where no change of ψ counts."""
 
     @property
     def round_off(self) -> Floats:
@@ -83,11 +85,12 @@ def error_curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Error
     method, t_end = inputs.scheme.method, float(run.t[-1])
     keeps = all(core.METHODS[method].keeps(mode) for mode in run.system.laws.regions)
     between = None
-    if inputs.scheme.perturbation_order is not None and len(crossings):
+    off_surface = inputs.scheme.perturbation_order is not None or not inputs.scheme.locate
+    if off_surface and len(crossings):
         _, between = envelope(run.t, np.fmax.reduce(np.abs(run.conserved_error()), axis=1, initial=0.0))
     return ErrorCurve(
         method, t, reduced, t_end, crossings, shades, names, size, runs_off, keeps, between, undefined, int(run.steps),
-        _shift(run, error),
+        _shift(run, error), bool((met.kind == "jump").any()),
     )  # fmt: skip
 
 

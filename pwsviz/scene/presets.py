@@ -213,7 +213,7 @@ def _comparisons() -> tuple[Preset, ...]:
         Preset(
             "taylor", "Taylor series at tolerance 10⁻¹²", "",
             "Order and step follow from the tolerance: 63 crossings in some 250 steps, ψ conserved to 10⁻¹⁵.",
-            "Set the tolerance to 10⁻⁶: somewhat fewer steps, and ψ is conserved as well.",
+            "Set the tolerance to 10⁻⁶: fewer steps; ψ is still conserved.",
             {**_CURVE, "methods": ["taylor"], "tau": 1.0, "tolerance": 1e-12, "t_end": 60.0, "view": "conserved"},
         ),
         Preset(

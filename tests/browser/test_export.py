@@ -358,7 +358,7 @@ PLACES = """svg => {
 """Where the texts of a picture are, and which of them are within the frame of a plot."""
 
 
-NAMED_LEVELS = "Dotted: (a) round-off; (b) eps = 2⁻⁵²; (c) less, or 0: drawn here."
+NAMED_LEVELS = "Dotted: (a) round-off; (b) eps = 2⁻⁵²; (c) tiny, or 0: drawn here."
 """What is said of the levels of a figure of a column: beside them are letters, which leave the plot its width."""
 
 
@@ -378,7 +378,7 @@ def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visi
             words = " ".join(text["words"] for text in texts)
             assert (NAMED_LEVELS in words) == (k == 1)
             alone = [text["words"] for text in texts]
-            assert [name for name in (*"abc", "round-off", "eps", "less, or 0") if name in alone] == (
+            assert [name for name in (*"abc", "round-off", "eps", "tiny, or 0") if name in alone] == (
                 ["a", "b", "c"] * (k == 1)
             )
             for one, other in combinations(texts, 2):

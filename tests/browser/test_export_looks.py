@@ -144,4 +144,4 @@ def test_levels_have_their_names_without_a_caption(visit):
     page.get_by_role("button", name="no caption", exact=True).click()
     svg = downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode()
     assert "Dotted" not in re.sub("<desc>.*?</desc>", "", svg)
-    assert all(re.search(f">{name}<", svg) for name in ("round-off", "eps", "less, or 0"))
+    assert all(re.search(f">{name}<", svg) for name in ("round-off", "eps", "tiny, or 0"))

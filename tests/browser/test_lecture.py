@@ -115,7 +115,7 @@ SPY = """names => {
 }"""
 """Notes the upper and lower end of some words as they are painted, in pixels."""
 
-NAMES = ["round-off", "eps = 2⁻⁵²", "less, or 0:", "drawn here"]
+NAMES = ["round-off", "eps = 2⁻⁵²", "tiny, or 0:", "drawn here"]
 
 
 @pytest.mark.deep

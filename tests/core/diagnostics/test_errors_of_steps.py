@@ -18,7 +18,7 @@ def forced() -> core.PiecewiseSystem:
 @pytest.mark.parametrize(("tau", "told"), [(0.158725, True), (0.0396812, False)])
 def test_errors_that_grow_to_the_size_of_the_state_are_told_whatever_is_recorded(record, tau, told):
     run = core.integrate(forced(), (0.0, 15.6544), tau=tau, method="rk4", record=record)
-    assert ("the errors of the steps have grown to a tenth" in run.warning) is told, run.warning
+    assert ("have grown to a tenth" in run.warning) is told, run.warning
 
 
 @pytest.mark.parametrize("until", [3.5, 3.598])
@@ -30,7 +30,7 @@ def test_a_run_led_off_an_unstable_orbit_is_told_though_one_in_half_steps_is_led
     law = (f"0.683*{along} - 0.73*{aside} - sin(t)", f"0.73*{along} + 0.683*{aside} + cos(t)")
     unstable = core.PiecewiseSystem("unstable", ("x", "y"), law, law, "x + 0.44", x0=(1.0, 0.0))
     run = core.integrate(unstable, (0.0, until), tau=0.0213, method="rk4")
-    assert "the errors of the steps have grown to a tenth" in run.warning, run.message
+    assert "have grown to a tenth" in run.warning, run.message
 
 
 @pytest.mark.parametrize("key", ["harmonic_oscillator", "bouncing_ball", "elliptic_curve", "moving_interface"])

@@ -313,12 +313,25 @@ def test_a_change_of_psi_by_perturbed_crossings_is_not_blamed_on_a_method_that_k
     words = conserved_text(curves)
     for name in ("dmm2", "gauss4"):
         assert (
-            f"{name} conserves ψ to round-off between crossings, but perturbed crossings change it: max |Δψ|" in words
+            f"{name} conserves ψ to round-off between crossings, but crossings off the surface change it: max |Δψ|"
+            in words
         )
-    assert re.search(r"rk2 drifts: max .*; between two crossings ψ changes by at most .*, and perturbed", words)
+    assert re.search(r"rk2 drifts: max .*; between two crossings ψ changes by at most .*, and crossings off", words)
     unperturbed = conserved_text(computed(**settings | {"perturbation_order": None})[0])
-    assert "perturbed" not in unperturbed
+    assert "off the surface" not in unperturbed
     assert "gauss4 conserves ψ to round-off: max |Δψ| =" in unperturbed, "it keeps every quadratic ψ"
+
+
+def test_a_change_of_psi_where_crossings_are_not_located_is_not_blamed_on_the_method():
+    words = conserved_text(computed(system="elliptic_curve", methods=("dmm2",), tau=0.08, locate=False)[0])
+    assert "dmm2 conserves ψ to round-off between crossings, but crossings off the surface change it" in words
+
+
+@pytest.mark.parametrize("settings", [{"perturbation_order": 1}, {"locate": False}])
+def test_of_jumps_off_the_surface_it_is_said_that_they_lie_there_and_count_for_nothing(settings):
+    curves, _ = computed(system="two_walls", methods=("dmm2",), **settings)
+    assert "conserves ψ to round-off between jumps, which lie off the surface" in conserved_text(curves)
+    assert "the change of ψ that this causes is not counted at jumps" in meaning(curves, "jumps")
 
 
 def test_gauss4_is_said_to_conserve_only_what_it_keeps():

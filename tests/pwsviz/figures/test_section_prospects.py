@@ -5,7 +5,7 @@ import pytest
 import core
 from pwsviz.figures.section_prospects import prospects
 
-FEW, OTHERS = "few distinct points remain after a transient", "other starts may give a different section"
+FEW, OTHERS = "few distinct points are to be expected", "other starts may give a different section"
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbe
             {"system": "rigid_body", "methods": ["dmm2"]},
             "The larger |Δψ| of the two conserved quantities is drawn at each time.",
         ),
-        ({"perturbation_order": 1}, "A perturbed crossing lies off the surface"),
+        ({"perturbation_order": 1}, "Crossings lie off the surface here"),
     ):
         explorer.scene.load({**settings, "view": "conserved"})
         assert explorer.settle(60)
