@@ -56,6 +56,8 @@ def led_astray(run: Trajectory) -> Iterator[str]:
     asked, adaptive = run.asked, METHODS[run.method].adaptive
     if asked is None or run.record != "steps" or not run.steps:
         return
+    if adaptive and not asked.settings.transition:  # its steps are as exact as asked for, and the crossings are not
+        return
     unmoved = replace(asked.settings, shift=0.0)
     base = run if asked.settings.shift == 0.0 else anew(run, asked, replace(unmoved, max_steps=COMPARED))
     if adaptive:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from core.codegen.rounding import with_roundings
 from core.integration.ahead import Ahead, what_is_ahead
 from core.integration.at_surface import AtSurface, at_surface
 from core.integration.corner import BEYOND
@@ -314,7 +315,22 @@ def _plain_advice(end: Ending) -> str:
 
 def _moved_astray(end: Ending) -> bool:
     """Whether the state lies beyond a surface because crossings are perturbed."""
-    return end.status is Status.CONTRADICTION and end.cause.shift != 0.0
+    if end.cause.shift == 0.0:
+        return False
+    return end.status is Status.CONTRADICTION or (end.status is Status.NO_CONVERGENCE and _lies_beyond(end))
+
+
+def _lies_beyond(end: Ending) -> bool:
+    """Whether a guard of the region in which the run ended is negative there, by more than its rounding."""
+    last, system = end.last, end.system
+    if last.mode == NO_MODE or end.slides:
+        return False
+    wanted = with_roundings(system.laws.mode(last.mode).heights)
+    values = system.laws.evaluate(
+        ("heights at the end", last.mode), wanted, [last.t], [last.x], system.parameter_array
+    )[0]
+    heights, noise = np.split(values, 2)
+    return bool((heights < -_ROUNDING * noise).any())
 
 
 def _lacks_psi(end: Ending) -> bool:

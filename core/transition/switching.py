@@ -59,6 +59,8 @@ _SHRUNK = 8
 _SPENT = 2.0**-52
 #: Crossings of whatever surfaces accumulate, too, if so many lie within this rounding, the later half of them nearer.
 _CLUSTERED = 128
+#: Bounces accumulate, too, if the time between two is below this part of the time by which each is moved.
+_CROWDED = 2.0**-4
 #: The surface is met against the field if the rate away from it exceeds this part of the rate at the start of the step,
 #: or of the rate with which the mode was entered.
 _AGAINST = 2.0**-7
@@ -414,6 +416,9 @@ def record_crossing(run, hit, kind, mode, status):
 def limit_crossings(context, surface):
     """Status after a crossing: Zeno, at the limit of crossings, or running."""
     run = context.run
-    if accumulates(run, context.w, surface):
+    # Bounces moved to just behind the last one: they are far nearer to each other than the perturbation moves them.
+    gap = since_visit(run, context.w, visit_of(surface))
+    crowded = run.jumped == 1 and run.crossings > 1 and gap < _CROWDED * abs(run.shift)
+    if accumulates(run, context.w, surface) or crowded:
         return _ZENO
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings or run.wanted >= run.max_wanted else _RUNNING

@@ -66,17 +66,22 @@ def axis_name(curves: Sequence[ErrorCurve] = ()) -> str:
     return f"error {'; '.join(filter(None, (CHANGE_OF_PSI * (other or not slides), CHANGE_OF_G * slides)))}"
 
 
-def excluded(met: str, bare: bool) -> str:
+def excluded(curves: Sequence[ErrorCurve], met: str, bare: bool) -> str:
     """Return which changes of ψ are not counted.
 
     Parameters
     ----------
+    curves : sequence of ErrorCurve
+        All curves.
     met : str
         What runs meet: crossings, jumps or both; empty if nothing.
     bare : bool
         Whether no ψ is known somewhere.
     """
-    which = [f"the changes that the system itself makes at {met}"] * bool(met)
+    off_surface = any(one.jumps and one.between is not None for one in curves)
+    which = ["all changes at jumps" if off_surface else f"the changes that the system itself makes at {met}"] * bool(
+        met
+    )
     which += [f"{'all changes' if which else 'the changes'} where no ψ is known"] * bare
     return f", excluding {listed(which)}" * bool(which)
 
@@ -98,7 +103,7 @@ def meaning(curves: Sequence[ErrorCurve], met: str, bare: bool = False, round_of
     name, words = axis_name(curves), []
     if CHANGE_OF_PSI in name:
         met = met if any(len(one.crossings) for one in curves) else ""
-        words.append(f"|Δψ| is the change of ψ since the start{excluded(met, bare)}")
+        words.append(f"|Δψ| is the change of ψ since the start{excluded(curves, met, bare)}")
         if any(curve.between is not None for curve in curves):
             counted = "is not counted at jumps" if any(one.jumps for one in curves) else "is counted"
             words.append(f"Crossings lie off the surface here, and the change of ψ that this causes {counted}")

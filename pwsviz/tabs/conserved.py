@@ -91,7 +91,7 @@ class ConservedTab(Tab):
         there = outcome.system.laws.most_conserved > 0 and not outcome.unmoved
         crosses = any(len(curve.crossings) for curve in outcome.curves)
         met = met_at_surfaces(outcome.system) * crosses
-        return DEFINED.format(apart=excluded(met, has_bare(outcome.system))) * there
+        return DEFINED.format(apart=excluded(outcome.curves, met, has_bare(outcome.system))) * there
 
     def heading(self, outcome: ErrorPicture) -> str:
         """Return whether the figure shows the error of ψ, or that of g while sliding."""
