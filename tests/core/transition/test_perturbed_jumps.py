@@ -51,3 +51,20 @@ def test_a_bounce_that_is_stepped_over_is_one_bounce_of_first_order(draws, one_s
             assert run.status is Status.COMPLETED, run.message
             assert len(run.crossings) == len(exact.crossings)
             assert np.abs(run.x[-1] - exact.x[-1]).max() < 20.0 * tau
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("tau", [0.02, 0.001])
+def test_bounces_that_are_nearer_than_the_perturbation_moves_them_end_the_run_and_it_says_so(order, tau):
+    region = {"+": core.Region(("v", "-1"))}
+    ball = core.PiecewiseSystem(
+        "ball", ("x", "v"), surfaces=("x",), regions=region, jumps={0: ("x", "-v/2")}, x0=(1.0, 0.0)
+    )
+    for scale, status in ((-1.0, Status.ZENO), (1.0, Status.NO_CONVERGENCE)):
+        run = core.integrate(
+            ball, (0.0, 20.0), tau=tau, method="rk4", perturbation_order=order, perturbation_scale=scale
+        )
+        assert run.status is status, run.message
+        assert len(run.crossings) < 200
+        assert abs(run.t[-1] - 3.0 * np.sqrt(2.0)) < 60.0 * tau**order + tau, "where the bounces accumulate"
+    assert "a perturbed crossing has moved the state" in run.message
