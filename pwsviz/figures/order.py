@@ -6,7 +6,7 @@ A curve has the look of its integrator; how full its marks are tells the number 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +25,7 @@ from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
+from pwsviz.text.words import listed
 
 MARK = 7
 """Pixels of the mark of a measured error."""
@@ -39,6 +40,9 @@ SCATTERED = 0.05
 UNKNOWN = "–"
 """In place of a slope that is not known."""
 
+
+EXACT = "exact"
+"""How the name of a reference begins that is not itself computed with an error."""
 
 STATE_ERROR = ("state error", "‖x − x*‖₂")
 TIME_ERROR = ("crossing-time error", "|t* − t̂|")
@@ -113,6 +117,11 @@ class Studied(NamedTuple):
     """Name of the solution that it is compared with."""
 
     @property
+    def is_exact(self) -> bool:
+        """Whether no error exceeds round-off, in comparison with the exact solution."""
+        return self.reference.startswith(EXACT) and all(row.at_round_off for row in self.rows)
+
+    @property
     def label(self) -> str:
         """Name of the integrator and the least and greatest fitted slope, for the legend."""
         known = sorted((row for row in self.rows if np.isfinite(row.slope)), key=lambda row: row.slope)
@@ -129,6 +138,39 @@ def studied(studies: Sequence[core.OrderStudy], rows: Rows) -> list[Studied]:
     return [
         Studied(one.method, core.METHODS[one.method].order or 1, one.taus, rows(one), one.reference) for one in studies
     ]
+
+
+def exact_text(shown: Sequence[Studied], drawn: bool = True) -> str:
+    """Return which integrators are exact to round-off, and so what is missing: slopes or, if nothing is drawn, errors.
+
+    Empty if none is.
+    """
+    exact = [one.method for one in shown if one.is_exact]
+    if not exact:
+        return ""
+    verb = "is" if len(exact) == 1 else "are"
+    where = "here: no slope to fit" if drawn else "for every τ: no error to draw"
+    return f"{listed(exact)} {verb} exact to round-off {where}."
+
+
+def with_zeros(one: Studied) -> Studied:
+    """Return a study for words on what is drawn: a curve whose known errors are all 0 is 0 where none is known, too.
+
+    Such a curve is not drawn, so neither its zeros nor its gaps are to be seen.
+    """
+    rows = [
+        replace(row, error=np.zeros_like(row.error))
+        if np.isfinite(row.error).any() and not (row.error > 0).any()
+        else row
+        for row in one.rows
+    ]
+    return one._replace(rows=rows)
+
+
+def compared_with(reference: str) -> str:
+    """Return with what errors are taken: “the exact solution (linear flow)”, “the reference (power series …)”."""
+    how = reference.removeprefix(f"{EXACT} ")
+    return f"the exact solution {how}" if how != reference else f"the reference ({reference})"
 
 
 def limits(shown: Sequence[Studied]) -> tuple[Row, Row] | None:

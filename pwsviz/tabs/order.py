@@ -18,11 +18,15 @@ from pwsviz.figures.order import (
     TIME_ERROR,
     OrderView,
     Rows,
+    Studied,
+    compared_with,
+    exact_text,
     order_numbers,
     order_tables,
     state_rows,
     studied,
     time_rows,
+    with_zeros,
 )
 from pwsviz.figures.summaries import (
     all_fitted,
@@ -101,9 +105,10 @@ class OrderTab(LongTab):
         shown = studied(outcome, self._rows)
         self.view.show(shown)
         errors = [row.error for one in shown for row in one.rows]
-        exact = any(np.isfinite(error).any() for error in errors) and not any((error > 0).any() for error in errors)
-        leave_out(self.plots[0], exact)  # zeros have no place on its axis
-        return " ".join(filter(None, [slopes_text(shown), *self._left_out(outcome)]))
+        zero = any(np.isfinite(error).any() for error in errors) and not any((error > 0).any() for error in errors)
+        leave_out(self.plots[0], zero)  # zeros have no place on its axis
+        slopes = "" if shown[0].is_exact else slopes_text(shown)  # of several it is empty
+        return " ".join(filter(None, [exact_text(shown, not zero), slopes, *self._left_out(outcome)]))
 
     def remark(self, outcome: Studies) -> str:
         """Return whether crossing times are perturbed, that runs have ends of their own, and what was not fitted."""
@@ -121,11 +126,16 @@ class OrderTab(LongTab):
         return f"{self._times(outcome)} {made}".strip()
 
     def _made(self, outcome: Studies) -> str:
-        return study_text(studied(outcome, self._rows), self._is_early(outcome))
+        return study_text(self._told(outcome), self._is_early(outcome))
+
+    def _told(self, outcome: Studies) -> list[Studied]:
+        """Return the curves as words tell of them."""
+        return list(map(with_zeros, studied(outcome, self._rows)))
 
     def _is_unusual(self, outcome: Studies) -> bool:
         """Whether there is a reason to read how the study was made."""
-        return self._is_early(outcome) or not all_fitted(studied(outcome, self._rows))
+        other = [one for one in studied(outcome, self._rows) if not one.is_exact]
+        return self._is_early(outcome) or not all_fitted(other)
 
     @staticmethod
     def _is_early(outcome: Studies) -> bool:
@@ -188,8 +198,8 @@ class OrderTab(LongTab):
         methods = listed([one.method for one in outcome])
         at = f"{'before the first crossing and after' if self._rows is state_rows else 'at'} {{}}"
         at = at.format(numbered_crossings(first.crossings)) if first.crossings else f"at t = {first.until:.6g}"
-        taus += f", compared with the reference ({first.reference}) {at}"
-        rule = f"{self._times(outcome)} {fit_rule(studied(outcome, self._rows))}".lstrip()
+        taus += f", compared with {compared_with(first.reference)} {at}"
+        rule = f"{self._times(outcome)} {fit_rule(self._told(outcome))}".lstrip()
         return f"integrated by {methods} with {taus}; {crossings}. {rule}"
 
     def program(self) -> str:

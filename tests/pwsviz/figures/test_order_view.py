@@ -14,6 +14,8 @@ from pwsviz.figures.order import (
     OrderView,
     Row,
     Studied,
+    compared_with,
+    exact_text,
     fitted_line,
     guide_slopes,
     order_numbers,
@@ -21,6 +23,7 @@ from pwsviz.figures.order import (
     state_rows,
     studied,
     time_rows,
+    with_zeros,
 )
 from pwsviz.figures.style import BELOW_RANGE, FAINT
 from pwsviz.figures.summaries import slopes_text, study_text
@@ -309,3 +312,34 @@ def test_guides_have_the_orders_and_the_slopes_that_are_met_and_no_others():
     rows = [Row("x", "x", taus, slope, (1e-3, 1e-1)) for slope in (0.98, 2.02, np.nan)]
     assert guide_slopes([Studied("rk4", 4, taus, rows, "exact")]) == [1, 2, 4]
     assert guide_slopes([Studied("rk2", 2, taus, rows[1:], "exact")]) == [2]
+
+
+def test_an_integrator_at_round_off_is_called_exact_only_beside_an_exact_solution():
+    taus = np.array([0.1, 0.05, 0.025])
+    row = Row("after 9", "after 9", np.full(3, 1e-16), np.nan, (np.nan, np.nan), at_round_off=True)
+    known = Studied("dmm2", 2, taus, [row], "exact (linear flow)")
+    assert exact_text([known]) == "dmm2 is exact to round-off here: no slope to fit."
+    assert exact_text([known, known._replace(method="rk2")], drawn=False) == (
+        "dmm2 and rk2 are exact to round-off for every τ: no error to draw."
+    )
+    assert exact_text([known._replace(reference="power series (linear flow), error 1.0e-12")]) == ""
+    assert exact_text([known._replace(rows=[row, replace(row, at_round_off=False)])]) == ""
+
+
+def test_of_a_curve_of_zeros_with_gaps_neither_triangles_nor_gaps_are_told():
+    taus = np.array([0.1, 0.05, 0.025])
+    none = np.nan, (np.nan, np.nan)
+    early = Row("before", "before", np.array([np.nan, 0.0, 0.0]), *none, at_round_off=True)
+    later = Row("after 9", "after 9", np.full(3, 3e-16), *none, at_round_off=True)
+    shown = Studied("dmm2", 2, taus, [early, later], "exact (linear flow)")
+    view = OrderView("error")
+    view.show([shown])
+    assert view.points.data["marker"].tolist() == ["circle"] * 3
+    told = study_text([with_zeros(shown)], early=False)
+    assert "The errors before are 0 and are not drawn" in told
+    assert not {"triangles", "missing"} & set(told.replace(".", "").split())
+
+
+def test_the_reference_of_a_study_is_named_once_as_exact():
+    assert compared_with("exact (Weierstrass ℘)") == "the exact solution (Weierstrass ℘)"
+    assert compared_with("dop853, error 1e-12") == "the reference (dop853, error 1e-12)"

@@ -175,11 +175,21 @@ def test_no_figure_of_another_system_stays_where_a_study_is_refused(explorer):
 def test_where_all_errors_are_0_the_order_has_words_and_no_empty_figure(explorer):
     explorer.scene.load({"system": "bouncing_ball", "methods": ["dmm2"], "view": "time"})
     assert explorer.settle(60)
-    assert "No slope is fitted, as all errors are near round-off" in explorer.view.words.object
+    assert "dmm2 is exact to round-off for every τ: no error to draw." in explorer.view.words.object
     assert explorer._pieces()[1].figures == []
     explorer.scene.accept("system", "elliptic_curve")
     assert explorer.settle(60)
     assert len(explorer._pieces()[1].figures) == 1
+
+
+def test_where_all_errors_are_round_off_the_order_tells_of_nothing_that_is_not_painted(explorer):
+    explorer.scene.load({"system": "bouncing_ball", "methods": ["dmm2"], "view": "order"})
+    assert explorer.settle(60)
+    assert "dmm2 is exact to round-off here: no slope to fit." in explorer.view.words.object
+    told = explorer.view.how(explorer.view.outcome)
+    assert "compared with the exact solution (linear flow) before" in told
+    assert ("downward triangles" in told) == ("inverted_triangle" in explorer.view.view.points.data["marker"])
+    assert "The errors before the first crossing are 0 and are not drawn" in told
 
 
 def test_a_study_of_few_crossings_says_so(explorer):
