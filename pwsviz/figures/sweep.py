@@ -84,9 +84,15 @@ class SweepView:
         self.warned = ColumnDataSource({"x": [np.nan]})
         self.doubtful = ColumnDataSource({"start": [np.nan], "end": [np.nan]})
         between = VStrip(x0="start", x1="end", fill_color=VERMILION, fill_alpha=0.1, line_width=0)
-        plot.add_glyph(self.doubtful, between, level="underlay")
+        shade = plot.add_glyph(self.doubtful, between, level="underlay")
         doubt = plot.add_glyph(self.warned, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[2, 4]))
-        entries = [("chosen value", line), ({"field": "words"}, strips), ("in doubt", doubt), ("errors grow", growing)]
+        self._in_doubt: list[Any] = [shade, doubt]
+        entries = [
+            ("chosen value", line),
+            ({"field": "words"}, strips),
+            ("in doubt", doubt),
+            ("errors grow", growing),
+        ]
         self._present, self._early, self._doubt, self._growth = legend_below(plot, entries)
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
@@ -104,6 +110,7 @@ class SweepView:
         doubtful = [ends for ends in stretches_of(found, found.warned) if ends[0] < ends[1]]
         assign(self.doubtful, **_ends(doubtful))
         self._doubt.visible = bool(found.warnings)
+        self._doubt.renderers = self._in_doubt[0 if doubtful else 1 :]
         self._doubt.label = value(f"in doubt: {of_examined(found, found.warned)}")
         half = found.spacing / 2
         growing = [(low - half, high + half) for low, high in stretches_of(found, found.sensitive)]

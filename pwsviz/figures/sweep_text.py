@@ -172,7 +172,8 @@ def sweep_text(found: Diagram, present: float, chosen: Diagram | None = None) ->
     chosen
         The points of that value alone, if they are computed.
     """
-    return " ".join(filter(None, (_at_present(found, present, chosen), _nothing_left(found), _refusal(found))))
+    said = _at_present(found, present, chosen), _nothing_left(found), _accumulating(found), _refusal(found)
+    return " ".join(filter(None, said))
 
 
 def sweep_prospects(found: Diagram, shown: str) -> str:
@@ -248,6 +249,14 @@ def _repeats(found: Diagram, among: Diagram, value: float, at: str) -> str:
         return f"{at} no period up to {least} was found, and small errors grow: the motion may be chaotic."
     cause = "the transient or the period may be longer, or the motion quasi-periodic or chaotic"
     return f"{at} no period up to {least} was found: {cause}."
+
+
+def _accumulating(found: Diagram) -> str:
+    """Say that jumps may accumulate at further values than those of the table: there, after the points wanted."""
+    if not found.whole.any() or not (found.outcomes[found.done & ~found.whole] == Status.ZENO).any():
+        return ""
+    wanted = plural(found.inputs.points, "point")
+    return f"Where jumps accumulate only after the {wanted} wanted, the run ends with these and is not in the table."
 
 
 def _refusal(found: Diagram) -> str:

@@ -68,6 +68,10 @@ def test_the_values_that_a_warning_is_about_are_marked():
     view.show(replace(MIXED, warnings=("a₋ = −1: the step is too long.",), examined=EXAMINED, warned=EXAMINED[:1]))
     assert view.warned.data["x"] == [-1.0]
     assert (view._doubt.visible, view._doubt.label.value) == (True, "in doubt: 1 of 2 runs examined")
+    assert len(view._doubt.renderers) == 1, "a single value has a line and no shade"
+    view.show(replace(MIXED, warnings=("too long",), examined=np.array([-1.0, 0.0, 2.0]), warned=np.array([-1.0, 0.0])))
+    shade, line = view._doubt.renderers
+    assert (shade.data_source, line.data_source) == (view.doubtful, view.warned), "the key has what lies in between"
     view.show(MIXED)
     assert not view._doubt.visible, "the legend names no line that is not there"
 
@@ -142,6 +146,14 @@ def test_words_and_table_say_how_many_values_end_how_and_where():
     assert "The 4 points requested were found for every value." in sweep_details(diagram([LIMIT] * 7))
     assert "nearest to the chosen value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
     assert "were found for none of the 7 values." in sweep_details(diagram([DONE] * 7))
+
+
+def test_runs_that_have_their_points_before_jumps_accumulate_are_told_of_beside_those_that_stop():
+    told = "Where jumps accumulate only after the 4 points wanted, the run ends with these and is not in the table."
+    stops = int(Status.ZENO)
+    assert told in sweep_text(diagram([stops, stops, LIMIT, LIMIT, LIMIT, LIMIT, LIMIT]), -3.0)
+    for others in ([stops] * 7, [LIMIT] * 7, [BLOWS_UP, *[LIMIT] * 6], [stops, *[TO_COME] * 6]):
+        assert told not in sweep_text(diagram(others), -3.0)
 
 
 @pytest.mark.parametrize(
