@@ -7,6 +7,7 @@ from typing import Any
 
 from pwsviz.export.endings import endings
 from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
+from pwsviz.figures.lines import line_of
 from pwsviz.figures.portrait_text import bodies_text, marks_text, portrait_note
 from pwsviz.page.export_dialog import NOT_YET, Piece
 from pwsviz.page.portrait_panel import PortraitPanel
@@ -16,7 +17,7 @@ from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import Tab
 from pwsviz.text.words import STEPS_MARKED
 
-__all__ = ["pieces_of"]
+__all__ = ["pieces_of", "symbols_text"]
 
 
 def pieces_of(scene: Scene, results: Results, panel: PortraitPanel, view: Tab) -> list[Piece]:
@@ -53,11 +54,17 @@ def _meaning(scene: Scene, panel: PortraitPanel, shown: Pictures) -> str:
         marks_text(shown),
         "Dash-dotted lines join the states before and after jumps." * panel.portrait.joins_jumps,
         STEPS_MARKED * panel.portrait.marks_steps,
-        "Other symbols on a curve tell its integrator." * (len(scene.used) > 1),
+        symbols_text(scene.used, panel.portrait.marks_steps),
         panel.warned,
         portrait_note(scene.declaration, shown.plane.axes, caption=True),
     ]
     return " ".join(filter(None, told))
+
+
+def symbols_text(methods: Sequence[str], steps: bool) -> str:
+    """Say what the symbols on curves in print tell; that one of them may be a dot, too, where dots mark `steps`."""
+    dots = ", larger dots among them," * (steps and any(line_of(name).marker == "circle" for name in methods))
+    return f"Other symbols on a curve{dots} tell its integrator." * (len(methods) > 1)
 
 
 def _course(runs: Sequence[DrawnRun]) -> dict[str, Any]:

@@ -68,7 +68,7 @@ def perturbation(order: int, scale: float) -> str:
 FEW = 4
 """Values that a sentence lists."""
 
-STEPS_MARKED = "Dots are the ends of steps, between which the integrators interpolate."
+STEPS_MARKED = "Small dots are the ends of steps, between which the integrators interpolate."
 """What captions say of curves on which steps are marked."""
 
 

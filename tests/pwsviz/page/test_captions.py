@@ -4,6 +4,7 @@ import pytest
 
 from pwsviz.export.caption import caption
 from pwsviz.figures.order import lower_end, studied, time_rows
+from pwsviz.page.pieces import symbols_text
 
 
 def told_of(explorer, **settings):
@@ -82,7 +83,7 @@ def test_an_order_study_counts_jumps_and_tells_of_errors_that_are_zero(explorer)
 
 
 def test_captions_say_what_dots_on_curves_are_and_how_errors_of_0_are_drawn(explorer):
-    dots = "Dots are the ends of steps, between which the integrators interpolate."
+    dots = "Small dots are the ends of steps, between which the integrators interpolate."
     for tau in (0.01, 0.2, 0.8):
         told = told_of(explorer, view="state", methods=["rk4"], tau=tau)
         curve, portrait = explorer.view.outcome.curves[0], explorer.portrait_panel.portrait
@@ -93,6 +94,15 @@ def test_captions_say_what_dots_on_curves_are_and_how_errors_of_0_are_drawn(expl
     (study,) = explorer.view.outcome
     low = "Errors of 0 or below the plot’s range are drawn as downward triangles" in times
     assert low == bool((study.time_error < lower_end(studied([study], time_rows))).any())
+
+
+def test_symbols_of_integrators_that_are_dots_are_told_from_the_ends_of_steps():
+    assert symbols_text(["dmm2", "rk2"], True) == (
+        "Other symbols on a curve, larger dots among them, tell its integrator."
+    )
+    for methods, steps in ((["dmm2", "rk2"], False), (["rk2", "rk4"], True)):
+        assert symbols_text(methods, steps) == "Other symbols on a curve tell its integrator."
+    assert symbols_text(["dmm2"], True) == ""
 
 
 @pytest.mark.parametrize(("system", "drawn"), [("elliptic_curve", True), ("relay_feedback", False)])
