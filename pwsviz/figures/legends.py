@@ -32,7 +32,8 @@ LEGEND_CSS = f"""
 
 FOLD_CSS = """
 .bk-item.folded { display: none; }
-button { all: unset; cursor: pointer; pointer-events: auto; font: inherit; min-height: ROWpx; line-height: ROWpx;
+button { all: unset; cursor: pointer; pointer-events: auto; font: inherit; min-height: ROWpx;
+         line-height: max(ROWpx, 1.2em);
          padding: 3px 8px; margin: -3px -8px;
          color: var(--mui-palette-primary-main, #1565c0); }
 button:focus-visible { outline: 2px solid; }
@@ -46,6 +47,8 @@ const button = grid.button ??= document.createElement("button")
 const fold = () => {
   const count = own_entries().length, folds = count >= FEWEST, open = button.ariaExpanded == "true"
   for (const { el, item } of own.entries) { el.classList.toggle("folded", folds && !open && rest.has(item)) }
+  const size = own.model.label_text_font_size  // larger in a lecture
+  button.style.fontSize = size.value ?? size
   const words = open ? "fewer" : `${count} more`
   if (button.textContent != words) { button.textContent = words }
   button.ariaLabel = `${words} entries of the legend`

@@ -51,6 +51,19 @@ def test_in_a_small_window_of_a_large_screen_the_portrait_has_nearly_half_the_he
     assert page.evaluate("parseFloat(getComputedStyle(document.documentElement).fontSize)") > 18, "type is large"
 
 
+ENTRIES = """() => {
+    const {el} = Bokeh.index.query_one(one => one.model.type == "Legend" && one.grid_el?.button?.isConnected)
+    return ["button", ".bk-label"].map(part => getComputedStyle(el.shadowRoot.querySelector(part)).fontSize)
+}"""
+"""Size of the letters of the button that unfolds a legend, and of those beside it."""
+
+
+def test_the_button_that_unfolds_a_legend_has_the_type_of_its_entries(small_window):
+    page = small_window("")
+    assert becomes(page, lambda: len(set(page.evaluate(ENTRIES))) == 1), page.evaluate(ENTRIES)
+    assert float(page.evaluate(ENTRIES)[0].removesuffix("px")) > 14, "large"
+
+
 @pytest.mark.deep
 @pytest.mark.parametrize("query", ["v=2&system=chua&view=sweep", "v=2&system=kepler&view=stability"])
 def test_the_figure_of_a_view_has_nearly_half_the_height_however_much_is_told_below(small_window, query):
