@@ -91,6 +91,8 @@ class Piece(NamedTuple):
     """Which of the runs of the scene ended before the end time."""
     heading: str = ""
     """What a caption says that it shows; the title if it is empty."""
+    note: str = ""
+    """What its files do not have, if that is to be told."""
     lack: str = NO_PICTURE
     """Why there is no figure, if there is none."""
 
@@ -201,7 +203,10 @@ class ExportDialog(pn.viewable.Viewer):
             buttons.append(self._copy("Copy caption", "words", _caption(self.scene, piece)))
         else:
             buttons.append(pmui.Typography(piece.lack, margin=(8, 8), variant="body2"))
-        return NamedRow(_title(piece.title), *buttons, group=piece.title, margin=0, sizing_mode="stretch_width")
+        notes = [pmui.Typography(piece.note, margin=(0, 4), variant="body2", sizing_mode="stretch_width")] * bool(
+            piece.note
+        )
+        return NamedRow(_title(piece.title), *notes, *buttons, group=piece.title, margin=0, sizing_mode="stretch_width")
 
     def _make_choices(self) -> Any:
         """Return the choices about pictures."""

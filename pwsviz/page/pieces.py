@@ -39,6 +39,7 @@ def pieces_of(scene: Scene, results: Results, panel: PortraitPanel, view: Tab) -
         return [portrait, Piece(title, {}, [], lack=NOT_YET)]
     said = {"how": view.how(view.outcome), "every_start": view.every_start, "free": view.free()}
     said |= {name: getattr(view, name)(view.outcome) for name in ("meaning", "key", "heading")}
+    said["note"] = view.not_saved(view.outcome)
     if not said["how"]:
         said["meaning"] = f"{said['meaning']} {panel.warned if runs else ''}".strip()
         said |= _course([one for one in runs if view.every_start or one.start == scene.selected + 1])

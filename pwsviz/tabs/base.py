@@ -155,6 +155,10 @@ class Tab(pn.viewable.Viewer):
         """Return what of that a short caption cannot do without; nothing by default."""
         return ""
 
+    def not_saved(self, outcome: Outcome) -> str:
+        """Return what the export says of files that have less than may be expected; nothing by default."""
+        return ""
+
     def pictures(self) -> list[figure]:
         """Return the figures on screen that are saved as one picture; the first by default, if it is there."""
         return [pane.object for pane in self.plots[:1] if pane.visible]

@@ -50,6 +50,9 @@ from pwsviz.widgets.setting_buttons import choice
 FITS = "Broad lines: the fits."
 """What captions say of them."""
 
+EVERY = "all chosen integrators"
+"""Label of the box for more than one of them."""
+
 Studies = tuple[core.OrderStudy, ...]
 """One of each integrator."""
 
@@ -87,7 +90,7 @@ class OrderTab(LongTab):
         one = choice(
             scene, "study_method", lambda: {name: name for name in scene.fixed_step}, ("system", "own", "methods")
         )
-        every = pmui.Checkbox(label="all chosen integrators", value=scene.order_all, size="small", margin=(6, 0))
+        every = pmui.Checkbox(label=EVERY, value=scene.order_all, size="small", margin=(6, 0))
         every.param.watch(lambda event: scene.accept("order_all", bool(event.new)), "value")
 
         def offer(*_: Any) -> None:
@@ -186,6 +189,12 @@ class OrderTab(LongTab):
             when = f"“Before”: halfway to the crossing; “after 1”: at t = {until:.6g}." * bool(outcome[0].crossings)
         fitted = FITS in self.meaning(outcome)
         return " ".join(filter(None, [when * (self._rows is state_rows), FITS * fitted]))
+
+    def not_saved(self, outcome: Studies) -> str:
+        """Return that one integrator is shown of several that might be, and how to have all."""
+        if self.scene.order_all or len(self.scene.fixed_step) < 2:
+            return ""
+        return f"As in the figure, {outcome[0].method} only; there, “{EVERY}” adds the others."
 
     def how(self, outcome: Studies) -> str:
         """Return the integrators, what they do at crossings, and what they are compared with."""

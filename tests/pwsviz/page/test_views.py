@@ -192,6 +192,25 @@ def test_where_all_errors_are_round_off_the_order_tells_of_nothing_that_is_not_p
     assert "The errors before the first crossing are 0 and are not drawn" in told
 
 
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        (
+            {"methods": ["dmm2", "rk2"]},
+            ["As in the figure, dmm2 only; there, “all chosen integrators” adds the others."],
+        ),
+        ({"methods": ["dmm2", "rk2"], "order_all": True}, []),
+        ({"methods": ["dmm2"]}, []),
+    ],
+)
+def test_the_dialog_of_the_export_says_that_one_of_several_integrators_is_saved(explorer, settings, told):
+    explorer.scene.load({"view": "order", **settings})
+    assert explorer.settle(60)
+    row = explorer.export._row(explorer._pieces()[1])
+    words = [getattr(part, "object", "") for part in row]
+    assert [one for one in words if "only" in one] == told
+
+
 def test_a_study_of_few_crossings_says_so(explorer):
     explorer.scene.param.update(system="coulomb_friction", view="order")
     explorer.settle(20)
