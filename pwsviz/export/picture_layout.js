@@ -9,6 +9,8 @@ export const TEXT = 17  // pixels of text in the copy, which is then scaled so t
 // larger than on the page, as marks and lines are finer in print
 export const INK = "#000000", PAPER = "#ffffff"
 
+export const GAP = 10  // pixels between figure and caption, and around the caption
+
 const RULE = "#e2e2e2"
 export const SMALL = TEXT - 1  // of labels and captions
 const ON_PAGE = 12  // pixels of names within a frame on the page; smaller ones are parts of marks, and have as many in print
@@ -196,9 +198,10 @@ const legend_beside = legend => ({
      :host { width: ${column_width(legend)}px; translate: ${SPARE}px 0 }`],
 })
 
-// A legend in the middle of the picture: in one line, in lines of entries one after another, or in columns where these are fewer.
+// A legend in the middle of the picture, as wide as its caption at most: in one line, in lines of entries one after another, or in
+// columns where these are fewer.
 const fitted_legend = (legend, seen, width) => {
-  const { glyph_width, glyph_height } = legend, room = width - SPARE, widths = entry_widths(legend)
+  const { glyph_width, glyph_height } = legend, room = width - 2 * GAP, widths = entry_widths(legend)
   const fits = count => {  // each column is as wide as its widest entry
     const wide = Array(count).fill(0)
     widths.forEach((one, k) => { wide[k % count] = Math.max(wide[k % count], one) })

@@ -3,10 +3,9 @@
 // vectors.
 
 import { choose_typeface, face, typeset } from "./picture_letters.js"
-import { drawn, explained_levels, INK, is_of_drawing, PAPER, paragraph, SMALL, TEXT, thinned } from "./picture_layout.js"
+import { drawn, explained_levels, GAP, INK, is_of_drawing, PAPER, paragraph, SMALL, TEXT, thinned } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
-const GAP = 10  // pixels between figure and caption, and around the caption
 const LEADING = 1.35  // of the lines of the caption, in heights of its text
 const INCH = 25.4  // mm
 const SLACK = 4  // pixels by which a layout may be higher than the one before it, which tells what is around the frame

@@ -387,6 +387,15 @@ def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visi
                 assert min(across, down / 2) < 2, (points, one["words"], other["words"])  # lines have leading
 
 
+def test_the_legend_of_a_narrow_picture_is_no_wider_than_the_caption_below_it(visit):
+    page = opened_for_a_column(visit)
+    seen = page.evaluate(PLACES, downloaded(page, page.get_by_role("button", name="SVG").first).decode())
+    (left, right, *_), outside = seen["page"], [text for text in seen["texts"] if not text["within"]]
+    margin = min(text["box"][0] for text in outside if text["words"].startswith("Phase portrait")) - left
+    (below,) = {text["box"][3] for text in outside if text["words"] == "x"}
+    assert all(right - text["box"][1] >= margin - 1 for text in outside if text["box"][2] > below)
+
+
 def test_a_picture_without_a_caption_ends_below_its_legend(visit):
     page = visit(query="t_end=2")
     await_that(page, PORTRAIT)
