@@ -53,10 +53,10 @@ setTimeout(() => tell(label), 3000)
 TITLE = "Export & share"
 
 OPEN_AT_ONCE = """
-const models = [...button.document._all_models.values()]
+const models = [...source.document._all_models.values()]
 models.find(model => model.data?.title == TITLE && "open" in model.data)?.data.setv({ open: true })
 """.replace("TITLE", repr(TITLE))
-"""JavaScript of the `button` that opens the dialog: its frame is there before the server has answered."""
+"""JavaScript of the button, its `source`, that opens the dialog: its frame is there before the server has answered."""
 
 NOT_YET = "not computed yet, or not to its end: its files will be offered here when it is."
 """Words in place of the files of a view."""

@@ -42,7 +42,7 @@ def header(
         label=TITLE, icon="ios_share", variant="text", size="small", margin=4,
         sx=HEADER_SX | FOR_FINGERS | NOT_IN_LECTURES,
     )  # fmt: skip
-    share.js_on_click(args={"button": share}, code=OPEN_AT_ONCE)
+    share.js_on_click(code=OPEN_AT_ONCE)
     share.on_click(lambda _: export())
     parts = [
         back, forth, share, _button("co_present", LECTURE, lecture, 4, NOT_ON_PHONES),
