@@ -74,7 +74,7 @@ class CrossingSequence:
         if self.modes[k + 1] != expected.modes[k + 1]:
             return f"at t = {self.t[k]:.4g} it {self._way(k)}, where the solution {expected._way(k)}"
         times = f"at t = {self.t[k]:.4g}, not {expected.t[k]:.4g}"
-        return f"{self._name(k)} comes {times}, closer to another one of the reference"
+        return f"{self._name(k)} comes {times}, nearer to a different crossing of the reference"
 
     def _way(self, k: int) -> str:
         mode = int(self.modes[k + 1])

@@ -114,7 +114,7 @@ def meaning(curves: Sequence[ErrorCurve], met: str, bare: bool = False, round_of
     if any(np.nanmax(curve.error, initial=0.0) >= CEILING for curve in curves):
         words.append("A curve ends at a triangle where it leaves the plot")
     if 0 < len(curves[0].crossings) <= MOST_BANDS:
-        words.append("Marks at the lower edge are the times at which the run meets a surface")
+        words.append("Marks near the lower edge are the times at which the run meets a surface")
     return f"{'. '.join(words)}.{_about_marks(curves)}"
 
 

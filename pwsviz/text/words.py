@@ -15,10 +15,13 @@ _SIZE = re.compile(r"\|[^|<>]{1,24}\|")
 
 _ENDS_SENTENCE = re.compile(r"(?<=\.) (?=[A-Z])")
 
-_MORE = """<button class="more" aria-expanded="false" onclick="\
-this.ariaExpanded = this.ariaExpanded != 'true'; this.textContent = this.ariaExpanded == 'true' ? 'less' : 'more'\
-">more</button> """
-"""Before what it unfolds; seen on narrow screens only."""
+_MORE = """<button class="more" aria-label="more" aria-expanded="false" onclick="\
+this.ariaExpanded = this.ariaExpanded != 'true'; this.ariaLabel = this.ariaExpanded == 'true' ? 'less' : 'more'\
+"></button>"""
+"""Before what it unfolds; seen on narrow screens only, with its label as its text."""
+
+_SHORT = 24
+"""Characters of a sentence that does not stand alone, as “Start 1 of 3.”"""
 
 
 def as_text(words: str, kind: str = "") -> str:
@@ -39,6 +42,8 @@ def sentences(words: str) -> list[str]:
 def _folded(markup: str) -> str:
     """Return a warning whose sentences after the first are unfolded on narrow screens by a button."""
     first, *others = sentences(markup)
+    if others and len(first) < _SHORT:
+        first = f"{first} {others.pop(0)}"
     return f'{first} {_MORE}<span class="others">{" ".join(others)}</span>' if others else first
 
 

@@ -44,6 +44,7 @@ p { margin: 0 0 2px 0; }
 .stopped:hover > span { position: relative; z-index: 2; }
 .more { display: none; font: inherit; color: var(--mui-palette-primary-main); background: none; border: none;
         padding: 2px 6px; margin: 0; cursor: pointer; text-decoration: underline; }
+.more::before { content: attr(aria-label); }
 @media (width < NARROWpx) {
   .more { display: inline; }
   .more:not([aria-expanded=true]) + .others { display: none; }

@@ -63,6 +63,6 @@ def test_another_mode_and_another_time_are_told_by_kind_and_number():
     other = CrossingSequence.labelled(system, [1.0, 2.0, 3.0], [1, -1, 1, -1])
     assert one.difference(other) == "at t = 2 it begins to slide, where the solution enters the side g > 0"
     late = CrossingSequence.labelled(system, [1.0, 2.6, 3.0], [1, -1, 0, -1])
-    assert late.difference(one) == "slide 1 comes at t = 2.6, not 2, closer to another one of the reference"
+    assert late.difference(one) == "slide 1 comes at t = 2.6, not 2, nearer to a different crossing of the reference"
     fewer = CrossingSequence.labelled(system, [1.0, 2.0], [1, -1, 0])
     assert fewer.difference(one) == "0 ends of sliding instead of 1"

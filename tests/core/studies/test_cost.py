@@ -166,7 +166,7 @@ def test_as_many_crossings_at_other_times_are_those_of_another_trajectory():
     assert one.correct_sequence[-1]
     assert np.isnan(one.time_error[swapped]).all()
     told = one.status[swapped.argmax()]
-    assert re.fullmatch(r"crossing \d+ comes at .*, not .*, closer to another one of the reference", told)
+    assert re.fullmatch(r"crossing \d+ comes at .*, not .*, nearer to a different crossing of the reference", told)
 
 
 def test_without_a_transition_the_methods_lose_their_order_and_external_solvers_do_not():

@@ -152,7 +152,7 @@ def test_screen_readers_hear_the_same_sentence():
 def test_a_caption_speaks_of_what_is_met_and_only_where_something_is():
     quiet, once = curve([0.0, 1e-16]), replace(curve([0.0, 1e-16]), crossings=np.array([3.0]), sides=np.array([1, 1]))
     assert "makes at jumps" in meaning([once], "jumps")
-    assert "Marks at the lower edge are the times at which the run meets a surface." in meaning([once], "jumps")
+    assert "Marks near the lower edge are the times at which the run meets a surface." in meaning([once], "jumps")
     assert "jumps" not in meaning([quiet], "jumps")
 
 
