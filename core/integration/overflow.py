@@ -23,9 +23,9 @@ def overflowing(system: PiecewiseSystem, last: Point, keeps_psi: bool) -> str:
     mode = system.laws.mode(last.mode)
     law = (*mode.field, *mode.conserved) if keeps_psi else mode.field
     found = sorted({term for u in law for term in u.atoms(sympy.exp, sympy.cosh, sympy.sinh)}, key=str)
-    arguments = tuple(term.args[0] for term in found)
+    arguments = tuple(u if isinstance(term, sympy.exp) else sympy.Abs(u) for term in found for u in term.args)
     values = system.laws.evaluate(
         ("arguments", last.mode, keeps_psi), arguments, [last.t], [last.x], system.parameter_array
     )[0]
-    large = np.flatnonzero(np.abs(values) > _LARGE)
+    large = np.flatnonzero(values > _LARGE)
     return to_text(found[large[0]]) if large.size else ""

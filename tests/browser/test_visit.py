@@ -111,7 +111,7 @@ def test_a_click_saves_one_file_and_the_next_another(visit):
     page.get_by_role("button", name="Export & share").click()
     for ending in ("csv", "csv", "npz", "npz", "png", "csv"):
         with page.expect_download():
-            page.get_by_role("button", name=re.compile(f"^{ending}", re.IGNORECASE)).first.click()
+            page.get_by_role("button", name=re.compile(f"^Save {ending}", re.IGNORECASE)).first.click()
         page.wait_for_timeout(200)  # for one too many
         assert saved == [ending]
         saved.clear()

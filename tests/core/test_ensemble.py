@@ -189,10 +189,10 @@ def test_progress_rises_to_one_and_a_cancelled_member_is_where_it_began():
     begun = time.monotonic()
     asked = lambda: time.monotonic() > begun + 0.3  # noqa: E731
     found = core.ensemble("harmonic_oscillator", (0.0, 1e7), np.full((50, 2), 0.5), tau=1e-3, cancel=asked)
-    assert time.monotonic() - begun < 5.0  # all steps take an hour
+    assert time.monotonic() - begun < 60.0  # all steps take an hour
     assert found.outcomes == {Status.CANCELLED: 50}
     assert np.array_equal(found.x, np.full((50, 2), 0.5))
-    ends = time.monotonic() + 5.0
+    ends = time.monotonic() + 60.0
     while any(thread.name.startswith("ThreadPoolExecutor") for thread in threading.enumerate()):
         assert time.monotonic() < ends, "the threads go on for nobody"
         time.sleep(0.01)

@@ -8,6 +8,7 @@ import pytest
 import core
 from core import Status
 from core.integration.outcome import Cause, Ending, outcome
+from core.integration.overflow import overflowing
 from core.integration.recorded import Point
 
 
@@ -172,3 +173,11 @@ def test_a_term_that_is_too_large_for_a_number_is_named(f, method, term):
     run = core.integrate(system, (0.0, 4.0), method=method, tau=None if method == "taylor" else 0.01)
     assert run.status is Status.NO_CONVERGENCE
     assert f"{term}, or a power of it, is too large for a floating-point number here" in run.message
+
+
+@pytest.mark.parametrize(
+    ("term", "named"), [("exp(-x)", ""), ("exp(x)", "exp(x)"), ("1/cosh(-x)", "cosh(x)"), ("1", "")]
+)
+def test_of_the_terms_of_a_law_only_one_that_is_large_is_named(term, named):
+    system = core.PiecewiseSystem("terms", ("x",), (term,), (term,), "x - 900")
+    assert overflowing(system, Point(0.0, (800.0,), 0), keeps_psi=False) == named

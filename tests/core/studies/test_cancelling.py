@@ -11,8 +11,8 @@ from core.reference import Cancelled
 
 #: Seconds after which a study is cancelled, here in the middle of a run that takes many times as long.
 AFTER = 0.7
-#: Seconds within which it and its threads have to stop; on an idle machine they take a tenth of this.
-SOON = 2.0
+#: Seconds within which it and its threads have to stop; on an idle machine they take a twentieth of this.
+SOON = 5.0
 
 HARMONIC, KEPLER = core.CATALOGUE["harmonic_oscillator"], core.CATALOGUE["kepler"]
 #: A trajectory that never reaches the surface, for which the solution is known at once, and a step is as long as any.

@@ -29,14 +29,14 @@ class Desk:
         """Type into fields, as the browser tells of it: `value` follows only when a field is left."""
         for name, text in texts.items():
             self.editor.texts[name].value_input = text
-        assert self.editor.settle(20)
+        assert self.editor.settle(60)
 
 
 @pytest.fixture
 def desk():
     desk = Desk()
     desk.editor.fill(EXAMPLES["Two springs"])
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     yield desk
     desk.editor.close()
 
@@ -48,7 +48,7 @@ def errors(editor):
 def test_nothing_is_checked_before_something_is_filled_in():
     seen = []
     editor = SystemEditor(seen.append, lambda show, outcome: seen.append(outcome))
-    assert editor.settle(5)
+    assert editor.settle(60)
     assert seen == []
     assert editor.system is None
 
@@ -63,7 +63,7 @@ def test_parameters_on_which_nothing_depends_are_named(desk):
 def test_one_can_start_from_empty_fields(desk):
     assert BLANK in [item["label"] for item in desk.editor.menu.items]
     desk.editor._choose({"label": BLANK})
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     assert desk.editor.draft == Draft()
     assert not any(text.value_input for text in desk.editor.texts.values())
     assert desk.editor.system is None
@@ -109,7 +109,7 @@ def test_what_is_not_checked_yet_is_used_once_it_is(desk):
     desk.editor.texts["g"].value_input = "x + 1"
     desk.editor.use.clicks += 1
     assert desk.used == []
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     assert [system.g for system in desk.used] == ["x + 1"]
 
 
@@ -119,7 +119,7 @@ def test_what_is_found_wrong_or_typed_over_is_not_used(desk):
         desk.editor.use.clicks += 1
         if more:
             desk.editor.texts["g"].value_input = more
-        assert desk.editor.settle(20)
+        assert desk.editor.settle(60)
         assert desk.used == []
         assert (desk.editor.system is None) == (not more)
 
@@ -128,7 +128,7 @@ def test_an_outcome_that_was_overtaken_is_not_shown():
     outcomes, used = [], []
     editor = SystemEditor(used.append, lambda show, outcome: outcomes.append((show, outcome)))
     editor.fill(EXAMPLES["Two springs"])
-    assert editor.settle(20)
+    assert editor.settle(60)
     editor.texts["g"].value_input = "x +"
     show, outcome = outcomes[0]
     show(outcome)
@@ -154,7 +154,7 @@ def test_what_is_conserved_and_what_is_left_over_is_shown(desk):
 @pytest.mark.parametrize("title", EXAMPLES)
 def test_every_example_on_the_menu_fills_the_form(desk, title):
     desk.editor._choose({"label": title})
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     texts = {name: desk.editor.texts[name].value_input for name in FIELDS}
     assert Draft(**texts) == EXAMPLES[title] == desk.editor.draft
     assert errors(desk.editor) == {}
@@ -163,7 +163,7 @@ def test_every_example_on_the_menu_fills_the_form(desk, title):
 def test_the_system_on_the_page_can_be_started_from(desk):
     assert desk.editor.menu.items[0] == {"label": CURRENT}
     desk.editor._choose({"label": CURRENT})
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     desk.editor.use.clicks += 1
     assert desk.used[0].f_plus == ELLIPTIC.f_plus
     assert desk.used[0].psi_plus == ELLIPTIC.psi_plus
@@ -174,7 +174,7 @@ def test_what_was_typed_is_kept_and_said_to_be_where_the_page_shows_another_syst
     desk.editor.close()
     desk.editor = editor = SystemEditor(desk.used.append, desk.deliver, lambda: shown[0])
     editor.resume()
-    assert (editor.texts["name"].value, editor.settle(20)) == ("Pendulum", True)
+    assert (editor.texts["name"].value, editor.settle(60)) == ("Pendulum", True)
     shown[0] = core.CATALOGUE["kepler"]
     editor.resume()
     assert editor.texts["name"].value == "Kepler with a shell"
@@ -192,7 +192,7 @@ def test_what_was_typed_is_kept_and_said_to_be_where_the_page_shows_another_syst
 def test_loading_a_system_takes_away_the_complaints_of_before(desk):
     desk.type(jump="x", variables="x, 2")
     desk.editor.load(core.CATALOGUE["kepler"])
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     assert errors(desk.editor) == {}
     assert desk.editor.texts["variables"].value == "x, y, u, v"
     assert desk.editor.texts["jump"].value_input == ""
@@ -225,7 +225,7 @@ def test_every_system_of_the_catalogue_can_be_started_from_and_changed(desk, key
     system = core.CATALOGUE[key]
     assert {one.name for one in core.CATALOGUE.values()} <= {item["label"] for item in desk.editor.menu.items}
     desk.editor._choose({"label": system.name})
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     assert errors(desk.editor) == {}
     assert desk.editor.several.visible == (not system.two_sided)
     desk.type(name="Mine")
@@ -244,18 +244,18 @@ def test_fields_that_few_need_are_hidden_behind_more(desk):
 
 def test_a_system_that_is_changed_is_called_so_unless_it_is_given_a_name(desk):
     desk.editor.load(ELLIPTIC)
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     assert desk.editor.texts["name"].value_input == ELLIPTIC.name
     desk.type(g="x + y")
     desk.type(g="x - y")
     desk.editor.use.clicks += 1
     assert [system.name for system in desk.used] == ["Elliptic curve (changed)"]
     desk.editor.load(desk.used[0])
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     desk.type(g="x")
     assert desk.editor.texts["name"].value_input == "Elliptic curve (changed)"
     desk.editor.load(ELLIPTIC)
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     desk.type(name="Mine")
     desk.type(g="x")
     assert desk.editor.texts["name"].value_input == "Mine"
@@ -263,7 +263,7 @@ def test_a_system_that_is_changed_is_called_so_unless_it_is_given_a_name(desk):
 
 def test_a_name_that_nobody_typed_follows_the_laws(desk):
     desk.editor.load(ELLIPTIC)
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     desk.type(variables="x, v", f_minus="v\n-x + cos(t)", f_plus="v\n-2*x + cos(t)")
     assert desk.editor.texts["name"].value_input == "Elliptic curve (changed)", "its surface is still there"
     desk.type(g="x", psi_minus="", psi_plus="", parameters="", x0="1, 0")
@@ -288,7 +288,7 @@ def test_an_example_keeps_its_name_while_it_is_changed_in_part_and_empty_fields_
 
 def test_a_mistake_leaves_the_last_good_system_in_use(desk):
     desk.editor.load(core.CATALOGUE["two_walls"])
-    assert desk.editor.settle(20)
+    assert desk.editor.settle(60)
     desk.editor.use.clicks += 1
     desk.type(resets="g1 => x")
     assert set(errors(desk.editor)) == {"resets"}

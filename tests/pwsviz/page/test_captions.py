@@ -17,7 +17,7 @@ def told_of(explorer, **settings):
 @pytest.mark.parametrize(("system", "slides"), [("harmonic_oscillator", False), ("stick_slip", True)])
 def test_captions_speak_of_sliding_where_a_run_slides(explorer, system, slides):
     explorer.scene.load({"system": system, "methods": ["rk2"], "view": "state"})
-    explorer.settle(20)
+    explorer.settle(60)
     for piece in explorer._pieces():
         told = caption(explorer.scene, piece.title, **piece.origin)
         assert ("sliding solution is followed" in told) == slides

@@ -51,7 +51,7 @@ def test_what_only_looks_different_is_not_computed_anew(explorer):
     assert explorer.settle(60)
     label = explorer.views["cost"].view.figure.yaxis[0].axis_label
     explorer.scene.cost_up = "invariant"
-    assert explorer.settle(20)
+    assert explorer.settle(60)
     assert counts(explorer)["cost"] == 1
     assert explorer.views["cost"].view.figure.yaxis[0].axis_label != label
 
@@ -67,7 +67,7 @@ def test_a_change_repaints_by_data_not_by_new_figures(explorer):
     before = explorer.portrait_panel.portrait.orbits.data["xs"][0]
     explorer.scene.accept("tau", 0.05)
     explorer.scene.system = next(key for key in core.CATALOGUE if key != explorer.scene.system)
-    explorer.settle(20)
+    explorer.settle(60)
     assert [figure.references() for figure in figures] == models
     assert explorer.portrait_panel.portrait.orbits.data["xs"][0] is not before
 
@@ -76,7 +76,7 @@ def test_bad_input_is_told_beside_the_field_and_the_picture_stays(explorer):
     shown = explorer.portrait_panel.portrait.orbits.data
     field = explorer.sidebar.tau
     field.type("minus one")
-    explorer.settle(20)
+    explorer.settle(60)
     assert field.entry.complaint
     assert "not a number" in field.entry.complaint
     assert explorer.portrait_panel.portrait.orbits.data is shown
@@ -139,7 +139,7 @@ def test_undo_brings_back_what_was_there(explorer):
     before = explorer.scene.settings()
     explorer.portrait_panel.starts.place(-0.5, 0.5)
     explorer.history.undo()
-    explorer.settle(20)
+    explorer.settle(60)
     assert explorer.scene.settings() == before
     assert list(explorer.portrait_panel.portrait.starts.data["x"]) == [-1.0]
 
@@ -182,15 +182,15 @@ def test_a_system_of_ones_own_is_used_like_any_other(explorer):
 
 
 def test_a_typed_system_is_computed_before_it_is_wanted(explorer):
-    explorer.settle(20)
+    explorer.settle(60)
     explorer.edit()
     explorer.editor.texts["g"].value_input = "x + 0.125"
-    assert explorer.editor.settle(20)
+    assert explorer.editor.settle(60)
     assert explorer.settle(60)
     computed = explorer.results.computed["run"]
     assert explorer.scene.system == "elliptic_curve"
     explorer.editor.use.clicks += 1
-    assert explorer.settle(20)
+    assert explorer.settle(60)
     assert explorer.scene.declaration.g == "x + 0.125"
     assert "crossings" in explorer.portrait_panel.status.object
     assert explorer.results.computed["run"] == computed
@@ -220,7 +220,7 @@ def test_a_complaint_about_a_link_goes_with_the_first_change_of_its_scene(explor
 
 def test_what_is_taken_away_is_what_is_shown(explorer):
     explorer.scene.view = "order"
-    explorer.settle(20)
+    explorer.settle(60)
     portrait, order = explorer._pieces()
     assert len(portrait.tables["curves"]()["t"]) == 2 * 2001
     assert portrait.figures == [explorer.portrait_panel.portrait.figure]
@@ -249,7 +249,7 @@ def test_the_export_says_that_a_view_is_not_computed_and_offers_its_files_when_i
 
 def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
     explorer.scene.accept("system", "relay_feedback")
-    explorer.settle(20)
+    explorer.settle(60)
     assert explorer.scene.view == "state"
     _, state = explorer._pieces()
     assert [plot.yaxis.axis_label for plot in state.figures] == ["x", "v"]
@@ -262,7 +262,7 @@ def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
 def test_of_a_view_that_has_no_figure_no_picture_is_offered(explorer):
     explorer.scene.accept("system", "relay_feedback")
     explorer.scene.param.update(view="conserved", slide=False)  # it has no ψ, and no |Δg| of sliding
-    assert explorer.settle(20)
+    assert explorer.settle(60)
     _, conserved = explorer._pieces()
     assert list(conserved.figures) == []
 
@@ -273,7 +273,7 @@ QUICK = ("elliptic_curve", "rigid_body", "gene_switch", "bouncing_ball", "two_wa
 
 def test_a_system_without_conserved_quantities_offers_what_can_be_used(explorer):
     explorer.scene.system = "relay_feedback"
-    explorer.settle(20)
+    explorer.settle(60)
     assert explorer.sidebar.methods.options == ["rk2", "rk4", "rk8", "gauss4", "taylor"]
     assert explorer.sidebar.methods.value == ["rk2"]
     assert "need a conserved quantity" in explorer.sidebar.methods_note.object
@@ -300,7 +300,7 @@ def visit_and_leave():
     with set_curdoc(document):
         explorer = Explorer(Scene(), Results())
         explorer.page().server_doc(document)
-        explorer.settle(20)
+        explorer.settle(60)
     for callback in document.session_destroyed_callbacks:
         callback(SimpleNamespace(id="one", _document=document))
     _cleanup_doc(document)
@@ -319,7 +319,7 @@ def test_a_page_begins_with_the_portrait_alone(monkeypatch):
     explorer = Explorer(Scene(), Results())
     document = Document()
     document.add_root(explorer.page().get_root(document))
-    explorer.settle(20)
+    explorer.settle(60)
     assert list(document.select({"type": Plot})) == [explorer.portrait_panel.portrait.figure]
     for callback in furnish:
         callback()
@@ -328,7 +328,7 @@ def test_a_page_begins_with_the_portrait_alone(monkeypatch):
 
 def test_the_page_passes_the_checks_of_bokeh_that_the_server_leaves_out():
     explorer = Explorer(Scene(), Results())
-    explorer.settle(20)
+    explorer.settle(60)
     document = Document()
     document.add_root(explorer.page().get_root(document))
     assert check_integrity(document.models).error == []
@@ -366,7 +366,7 @@ def test_a_view_added_from_outside_is_in_the_page_in_links_and_in_the_export(mon
     monkeypatch.setitem(VIEWS, "step", View("Step size", "run", f"{__name__}:StepSizeTab"))
     explorer = Explorer(Scene(t_end=1.0), Results())
     explorer.tabs.active = list(VIEWS).index("step")
-    assert explorer.settle(20)
+    assert explorer.settle(60)
     assert "The step size is 0.01." in explorer.view.words.object
     assert read(query(explorer.scene)) == (explorer.scene.settings(), [])
     assert "Scheme, Step" in "".join(read("view=nonsense")[1])

@@ -1,5 +1,6 @@
 """The portrait of a page: its curves, what lies under them, its window, and the words below it."""
 
+import re
 from threading import Event
 from time import monotonic, sleep
 
@@ -30,11 +31,11 @@ def test_a_link_shows_the_level_sets_and_arrows_that_its_reader_saw_before(explo
     for window in (Window(-3.0, 1.0, -2.0, 2.0), Window(-2.6, 1.4, -1.8, 2.2), Window(-1.9, 2.1, -1.7, 2.3)):
         panel.sight.look_at(window)  # as the browser tells of a pan, and then of its end
         panel.sight.keep(window)
-        explorer.settle(20)
+        explorer.settle(60)
     opened = Explorer(Scene(), Results())
     opened.scene.restore(read(query(explorer.scene))[0])
     opened.refresh()
-    opened.settle(20)
+    opened.settle(60)
     ground, other = panel.portrait.ground, opened.portrait_panel.portrait.ground
     for one, same in ((ground.levels, other.levels), (ground.arrows, other.arrows)):
         for side in (-1, 1):
@@ -49,12 +50,12 @@ def test_curves_of_a_moved_slider_bring_the_backdrop_on_which_they_lie(explorer)
     )
     before = panel.portrait.ground.levels[-1].data
     explorer.scene.accept("values.a_minus", -2.6)
-    explorer.settle(20)
+    explorer.settle(60)
     assert set(submitted) == {"runs", "view", "warnings"}, "what follows waits until the slider rests"
     assert counts(explorer)["backdrop"] == 2
     assert panel.portrait.ground.levels[-1].data is not before
     explorer.scene.accept("values.a_minus", -2.5)
-    explorer.settle(20)
+    explorer.settle(60)
     assert counts(explorer)["backdrop"] == 3
 
 
@@ -62,7 +63,7 @@ def test_a_player_that_is_opened_again_has_its_frames(explorer):
     player = explorer.portrait_panel.player
     for is_open in (True, False, True):
         player.open = is_open
-        explorer.settle(20)
+        explorer.settle(60)
         assert len(player.bar.ways) == 2 * is_open
 
 
@@ -89,42 +90,42 @@ def test_the_status_line_tells_each_run(explorer):
 
 def test_a_run_that_reaches_the_end_by_too_long_steps_is_warned_of_below_the_portrait(explorer):
     explorer.scene.tau = 0.12
-    explorer.settle(20)
+    explorer.settle(60)
     words = explorer.portrait_panel.status.object
     assert "dmm2: The step of 0.12 at t = " in words
     assert "take a smaller τ" in words
     explorer.scene.place((-0.9, -1.1))
     explorer.scene.selected = 0
-    explorer.settle(20)
+    explorer.settle(60)
     words = explorer.portrait_panel.status.object
     assert "is too long for this field" in words, "the run is the same"
     assert "There is a warning for start 2: select it to read it." in words
     explorer.scene.tau = 0.01
-    explorer.settle(20)
+    explorer.settle(60)
     assert "too long" not in explorer.portrait_panel.status.object
 
 
 def test_the_view_holds_still_while_only_the_step_size_moves(explorer):
     frame = explorer.portrait_panel.portrait.frame
     explorer.scene.accept("tau", 2e-2)
-    explorer.settle(20)
+    explorer.settle(60)
     assert explorer.portrait_panel.portrait.frame == frame
 
 
 def test_undo_of_a_zoom_brings_back_the_view_before_it_and_fit_fits_anew(explorer):
     panel, scene = explorer.portrait_panel, explorer.scene
-    explorer.settle(20)
+    explorer.settle(60)
     before = panel.portrait.frame
     scene.place((3.0, 0.0))
-    explorer.settle(20)
+    explorer.settle(60)
     panel.sight.keep(Window(-1.0, 1.0, -1.0, 1.0))
     for _ in range(2):
         explorer.history.undo()
-        explorer.settle(20)
+        explorer.settle(60)
         assert (scene.window, panel.portrait.frame) == (None, before)
     assert len(scene.starts) == 1
     scene.place((3.0, 0.0))
-    explorer.settle(20)
+    explorer.settle(60)
     panel.sight.fit()
     assert panel.portrait.frame.x_high > before.x_high
 
@@ -132,11 +133,11 @@ def test_undo_of_a_zoom_brings_back_the_view_before_it_and_fit_fits_anew(explore
 @pytest.mark.parametrize("by", ["fit", "undo"])
 def test_the_ground_of_a_view_that_was_left_is_not_shown_until_the_browser_tells_of_the_new_one(explorer, by):
     panel = explorer.portrait_panel
-    explorer.settle(20)
+    explorer.settle(60)
     panel.sight.keep(Window(-40.0, 40.0, -40.0, 40.0))
-    explorer.settle(20)
+    explorer.settle(60)
     {"fit": panel.sight.fit, "undo": explorer.history.undo}[by]()
-    explorer.settle(20)
+    explorer.settle(60)
     assert panel.sight.covered == panel.portrait.frame.surroundings()
 
 
@@ -144,7 +145,7 @@ def test_another_projection_shows_other_variables(explorer):
     explorer.scene.load({"system": "kepler", "methods": ["rk4"]})
     explorer.settle(60)
     explorer.sidebar.plane.value = (2, 3)
-    explorer.settle(20)
+    explorer.settle(60)
     names = core.CATALOGUE["kepler"].variables
     figure = explorer.portrait_panel.portrait.figure
     assert figure.xaxis[0].axis_label.startswith(names[2])
@@ -156,7 +157,7 @@ def test_another_projection_shows_other_variables(explorer):
 def test_the_player_gets_its_steps_once_it_is_open_and_not_before(explorer):
     assert "frames" not in counts(explorer)
     explorer.portrait_panel.player.open = True
-    explorer.settle(20)
+    explorer.settle(60)
     assert counts(explorer)["frames"] == 2
     assert len(explorer.portrait_panel.player.bar.ways) == 2
 
@@ -183,7 +184,7 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
 
 def test_a_run_that_stops_early_says_why_and_shows_what_there_is(explorer):
     explorer.scene.accept("x0", (1.4, 1.4))
-    explorer.settle(20)
+    explorer.settle(60)
     assert "stopped" in explorer.portrait_panel.status.object
     frame = explorer.portrait_panel.portrait.frame
     assert max(frame.width, frame.height) < 100
@@ -226,7 +227,7 @@ def test_what_is_being_compiled_for_the_first_trajectory_is_said_with_the_time_i
     panel = page.portrait_panel
     begun.wait(60)
     panel._explain_wait()  # as a page does that still waits after `LONG_WAIT`
-    assert "Compiling the time loop, once on this machine: 0 s so far." in panel.status.object
+    assert re.search(r"Compiling the time loop, once on this machine: \d+ s so far\.", panel.status.object)
     with compiling("rk2"):
         compiled.set()
         assert page.settle(60)
@@ -291,7 +292,7 @@ def test_nothing_is_seen_of_a_figure_before_there_is_something_in_it():
     assert 'aria-label="Progress of the phase portrait"' in panel.progress.object
     go.set()
     page.refresh()
-    page.settle(20)
+    page.settle(60)
     assert {pane.object.styles["visibility"] for pane in (panel.pane, *page.view.plots)} == {"inherit"}
     assert not panel.progress.visible
     page.scene.view = "cost"

@@ -13,7 +13,7 @@ def counts(explorer):
 
 def test_a_click_places_one_more_trajectory(explorer):
     explorer.portrait_panel.starts.place(-0.123456, 0.654321)
-    explorer.settle(20)
+    explorer.settle(60)
     assert explorer.scene.starts == ((-1.0, -1.0), (-0.123, 0.654))
     assert explorer.scene.selected == 1
     assert list(explorer.portrait_panel.portrait.starts.data["x"]) == [-1.0, -0.123]
@@ -26,7 +26,7 @@ def test_a_dragged_start_moves_and_an_older_complaint_goes(explorer):
     coordinate.type("?")
     assert coordinate.entry.complaint
     explorer.portrait_panel.starts.move(0, -0.8, 0.5)
-    explorer.settle(20)
+    explorer.settle(60)
     assert explorer.scene.starts == ((-0.8, 0.5),)
     assert not coordinate.entry.complaint
 
@@ -35,17 +35,17 @@ def test_the_last_trajectory_cannot_be_removed_and_that_is_said(explorer):
     explorer.portrait_panel.starts.place(-0.5, 0.5)
     explorer.portrait_panel.starts.remove(0)
     assert explorer.scene.starts == ((-0.5, 0.5),)
-    explorer.settle(20)
+    explorer.settle(60)
     explorer.portrait_panel.starts.remove(0)
     assert "has to stay" in explorer.portrait_panel.trouble.object
 
 
 def test_looking_into_another_trajectory_computes_no_run(explorer):
     explorer.portrait_panel.starts.place(-0.5, 0.5)
-    explorer.settle(20)
+    explorer.settle(60)
     runs = counts(explorer)["run"]
     explorer.scene.selected = 0
-    explorer.settle(20)
+    explorer.settle(60)
     assert counts(explorer)["run"] == runs
 
 
@@ -60,12 +60,12 @@ def test_a_double_click_fits_the_view_and_takes_back_what_its_first_click_placed
     panel.portrait.hand.data = {"act": ["fit"], "index": [0], "x": [0.0], "y": [0.0], "count": [1]}
     for call in later:
         call()
-    explorer.settle(20)
+    explorer.settle(60)
     assert scene.settings() == before
     assert panel.portrait.frame == frame
     monkeypatch.undo()
     panel.starts.place(-0.5, 0.5)
-    explorer.settle(20)
+    explorer.settle(60)
     assert panel.portrait.frame == frame, "the next start does not move it"
 
 

@@ -48,7 +48,7 @@ def drawn(explorer):
 
 def test_a_click_places_a_start_where_it_is_seen(spring):
     spring.portrait_panel.starts.place(0.25, -0.5)
-    spring.settle(20)
+    spring.settle(60)
     assert spring.scene.starts == ((1.0, 0.0), (0.25, -0.5 * SPEED))
     assert list(spring.portrait_panel.portrait.starts.data["y"]) == [0.0, -0.5]
 
@@ -94,5 +94,5 @@ def test_words_for_screen_readers_have_values_of_the_variables(spring):
 
 def test_units_do_not_follow_parameters_or_starts(spring):
     spring.portrait_panel.starts.move(0, 0.001, 0.0)
-    spring.settle(20)
+    spring.settle(60)
     assert spring.portrait_panel.portrait.figure.yaxis[0].axis_label == "y / 10⁴"

@@ -24,7 +24,7 @@ def test_a_view_says_that_it_is_computed_before_it_is_made(explorer, key):
 def test_a_view_without_a_result_says_so_until_it_has_one(explorer):
     view = explorer.views["scheme"]
     explorer.scene.accept("view", "scheme")
-    assert explorer.settle(20)
+    assert explorer.settle(60)
     assert "Computing" not in view.words.object
     explorer.scene.accept("system", "coulomb_friction")
     explorer.refresh()
@@ -58,9 +58,9 @@ def test_a_result_that_comes_when_others_are_under_way_is_drawn_only_of_what_the
 
 def test_hidden_views_compute_nothing(explorer):
     explorer.scene.view = "order"
-    explorer.settle(20)
+    explorer.settle(60)
     explorer.scene.accept("tau", 5e-3)
-    explorer.settle(20)
+    explorer.settle(60)
     assert counts(explorer)["curve"] == 2, "the conserved quantity is hidden"
     assert counts(explorer)["study"] == 1, "the study does not depend on the step size"
     assert counts(explorer)["run"] == 4, "the portrait is always there"
@@ -91,7 +91,7 @@ def test_a_view_not_yet_looked_at_is_not_even_made(explorer):
 def test_leaving_a_long_study_gives_it_up(explorer):
     explorer.scene.view = "stability"
     explorer.scene.view = "conserved"
-    assert explorer.settle(20)
+    assert explorer.settle(60)
     assert explorer.views["stability"].outcome is None
     explorer.scene.param.update(t_end=2.0, methods=["dmm2"], stability_part="drift")
     explorer.scene.view = "stability"
@@ -105,7 +105,7 @@ def test_a_long_study_can_be_cancelled_and_begun_again(explorer):
     view = explorer.views["cost"]
     view.progress.begin()
     view.on_cancel()
-    assert explorer.settle(20)
+    assert explorer.settle(60)
     assert view.outcome is None
     assert view.progress._again.visible
     assert explorer.announcer.view[0] == "Cost: cancelled."
@@ -131,18 +131,18 @@ def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
 
 def test_where_no_step_is_made_the_view_says_why(explorer):
     explorer.scene.load({"system": "type_repelling", "starts": ((0.0, 0.0),), "view": "conserved"})
-    explorer.settle(20)
+    explorer.settle(60)
     assert "No step was made" in explorer.view.words.object
     assert not explorer.view.plots[0].visible
     explorer.scene.load({"view": "conserved"})
-    explorer.settle(20)
+    explorer.settle(60)
     assert explorer.view.plots[0].visible, "the figure comes back with the next run"
     assert explorer.view.plots[0].object.visible
 
 
 def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
     explorer.scene.load({"system": "coulomb_friction", "view": "conserved"})
-    explorer.settle(20)
+    explorer.settle(60)
     view = explorer.view.view
     assert view.figure.yaxis[0].axis_label == "error of ψ, |Δψ|; of g while sliding, |Δg|"
     for xs, ys, curve in zip(view.curves.data["xs"], view.curves.data["ys"], explorer.view.outcome.curves, strict=True):
@@ -152,7 +152,7 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
     assert "round-off line is 2⁻⁵¹ times the largest |ψ| + Σ" in explorer._pieces()[1].meaning
     explorer.scene.load({"system": "stick_slip", "view": "conserved"})
     explorer.scene.view = "conserved"
-    explorer.settle(20)
+    explorer.settle(60)
     assert explorer.view.plots[0].visible
     assert view.figure.yaxis[0].axis_label == "error of g while sliding, |Δg|"
     assert ">|Δg|</span> while sliding" in explorer.view.words.object
@@ -213,7 +213,7 @@ def test_the_dialog_of_the_export_says_that_one_of_several_integrators_is_saved(
 
 def test_a_study_of_few_crossings_says_so(explorer):
     explorer.scene.param.update(system="coulomb_friction", view="order")
-    explorer.settle(20)
+    explorer.settle(60)
     words = explorer.views["order"].words.object
     assert "before the first crossing and after 1, 2 and 3 crossings" in words
     assert "too few crossings for the usual ones" in words
@@ -238,14 +238,14 @@ def test_a_study_of_one_crossing_ends_with_the_runs_and_says_so(explorer):
 def test_a_study_that_is_impossible_says_why(explorer):
     explorer.scene.use(core.PiecewiseSystem("Held", ("x", "y"), ("1", "0"), ("-1", "0"), "x", x0=(0.0, 1.0)))
     explorer.scene.param.update(slide=False, view="order")
-    explorer.settle(20)
+    explorer.settle(60)
     assert 'class="error"' in explorer.views["order"].words.object
     assert not explorer.views["order"].progress.busy
 
 
 def test_one_integrator_that_blows_up_does_not_spoil_the_view_of_another(explorer):
     explorer.scene.param.update(system="harmonic_oscillator", tau=0.25, t_end=60_000.0)
-    explorer.settle(20)
+    explorer.settle(60)
     assert "stopped" in explorer.portrait_panel.status.object
     frame = explorer.portrait_panel.portrait.frame
     assert max(frame.width, frame.height) < 10
