@@ -181,8 +181,11 @@ class _Search:
             step = -after / bend * self.way
             if abs(step) <= 4.0 * _EPS * abs(place.t) or 0.5 * bend * step * step <= _EPS * noise:
                 break
+        else:  # a multiple zero of the rate: how low it comes is not known
+            noise = max(noise, height)
+        noise = max(noise, self.noise_of_states(place, low))
         instant = not self.run.system.laws.mode(place.mode).written.heights[place.guard].has(*self.run.system.laws.x)
-        return _Least(place.t + low, height, max(noise, self.noise_of_states(place)), bend, instant)
+        return _Least(place.t + low, height, noise, bend, instant)
 
     def height(self, place: _Place, s: float) -> tuple[float, float, float]:
         """Height, its rate along the run, and the bound on its rounding, at the end of steps of length s in all."""
@@ -231,19 +234,29 @@ class _Search:
 
     def range_of_height(self, place: _Place) -> float:
         """Largest size of a height at all states recorded: of a pass far from 0, no error that matters is as large."""
-        return float(np.nanmax(np.abs(self.heights(place)[:, 0]), initial=0.0))
+        return float(np.nanmax(np.abs(self.heights(place)), initial=0.0))
 
-    def noise_of_states(self, place: _Place) -> float:
-        """Bound on the rounding of a height by that of the states before, of whose changes the state is the sum."""
-        before = self.way * (place.t - self.run.t) >= 0.0
-        return _ROUNDINGS * _EPS * float(np.nanmax(self.heights(place)[before, 1], initial=0.0))
+    def noise_of_states(self, place: _Place, low: float) -> float:
+        """Bound on the error of a height, `low` after a place, by the rounding of the states before.
+
+        The state there is the sum of their changes: each coordinate may be off by the rounding of its largest value. Of
+        a power of a distance that is 0 there, as of (x - a)³, the slope alone would not tell.
+        """
+        laws, run = self.run.system.laws, self.run
+        height, p = laws.mode(place.mode).written.heights[place.guard], run.system.parameter_array
+        key, t, x = (place.mode, place.guard), np.full(3, place.t + low), self.after(place, low)
+        slopes = tuple(height.diff(v) for v in laws.x)
+        slope = laws.evaluate(("slopes of a height", *key), slopes, t[:1], x[None], p)[0]
+        largest = np.abs(run.x[self.way * (place.t - run.t) >= 0.0]).max(axis=0, initial=0.0)
+        off = _ROUNDINGS * _EPS * np.copysign(largest, slope)
+        around = laws.evaluate(("heights", *key), (height,), t, np.array([x - off, x, x + off]), p)[:, 0]
+        return float(np.nanmax(np.abs(around - around[1])))
 
     def heights(self, place: _Place) -> Floats:
-        """A height, and the first-order bound on its rounding, at all states recorded; shape (n, 2)."""
+        """A height at all states recorded, of shape (n,)."""
         laws, run = self.run.system.laws, self.run
-        height = laws.mode(place.mode).written.heights[place.guard]
-        wanted, p = (height, rounding_bound(height)), run.system.parameter_array
-        return laws.evaluate(("heights", place.mode, place.guard), wanted, run.t, run.x, p)
+        height, p = (laws.mode(place.mode).written.heights[place.guard],), run.system.parameter_array
+        return laws.evaluate(("heights", place.mode, place.guard), height, run.t, run.x, p)[:, 0]
 
     def lead(self, place: _Place, least: _Least) -> float:
         """Time before the least height at which another run is compared: the height is some times as large then.

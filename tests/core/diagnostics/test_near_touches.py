@@ -123,3 +123,18 @@ def test_what_is_told_of_an_instant_that_hardly_comes_does_not_name_the_start():
     warning = core.integrate(wave, (0.0, 10.0), tau=0.01, method="rk4").warning
     assert WORDS in warning
     assert "no step size helps: change a parameter" in warning
+
+
+@pytest.mark.parametrize("method", ["taylor", "prk8", "rk4"])
+@pytest.mark.parametrize("g", ["cosh({a}*(x - ({b}))) - {c}", "exp({a}*(x - ({b}))) + exp(-{a}*(x - ({b}))) - 2*{c}"])
+def test_a_surface_whose_g_is_very_large_elsewhere_is_not_said_to_be_met_by_rounding(g, method):
+    """x = sin t passes x = b, where g is least, far from the surface: its rounding where g is 10⁸ does not matter."""
+    rng = np.random.default_rng(5)
+    for _ in range(6):
+        a, b, c = rng.uniform(5.0, 40.0), rng.uniform(-1.1, 1.1), rng.uniform(1.05, 3.0)
+        surface = g.format(a=repr(float(a)), b=repr(float(b)), c=repr(float(c)))
+        circle = core.PiecewiseSystem("circle", ("x", "y"), ("y", "-x"), ("y", "-x"), surface, ("x**2 + y**2",))
+        tau = None if method == "taylor" else 0.01
+        run = core.integrate(circle, (0.0, 12.0), (0.0, 1.0), tau=tau, method=method)
+        assert run.status is core.Status.COMPLETED
+        assert WORDS not in run.message, surface
