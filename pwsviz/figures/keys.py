@@ -14,10 +14,12 @@ __all__ = ["FOCUS_CSS", "REACHED", "attach_keys"]
 REACHED: dict[str, Any] = {
     "role": "application",  # of an image screen readers keep the arrow keys to themselves
     "aria-roledescription": "figure",
-    "tabindex": "0",
     "aria-keyshortcuts": "ArrowLeft ArrowRight ArrowUp ArrowDown + - 0",
 }
-"""HTML attributes of a figure that the Tab key reaches, and that takes these keys."""
+"""HTML attributes of a figure that takes these keys.
+
+The one by which the Tab key reaches it is set in the browser: of these Bokeh takes all off whenever one changes, and
+without it the figure would lose the focus."""
 
 FOCUS_CSS = """
 :host(:focus-visible) { outline: none; }
@@ -32,6 +34,7 @@ const view = cb_context.index.find_one(cb_obj)
 const { el, frame, canvas_view } = view ?? {}
 if (el == null || el.dataset.keys) { return }
 el.dataset.keys = "on"
+el.tabIndex = 0
 canvas_view.events_el.tabIndex = -1  // the figure itself is the one stop; after a click this has the focus, too
 const STEP = 0.1, ZOOM = 1.25        // of what is seen
 const MOVES = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowDown: [0, -STEP], ArrowUp: [0, STEP] }

@@ -304,6 +304,8 @@ def test_the_selected_start_is_moved_by_keys_and_told_where_it_is(visit):
     typed = field(page, "initial x")
     assert becomes(page, lambda: float(typed.input_value().replace("−", "-")) == pytest.approx(start()[0], abs=1e-3))
     assert page.evaluate(ENDS, "Phase portrait")[:2] == pytest.approx(before[:2]), "the view stays"
+    name = figure.get_attribute("aria-label")
+    assert focused(page) == name, "what is told of the new run leaves the figure the focus"
     page.keyboard.press("Control+z")
     assert becomes(page, lambda: start() == pytest.approx([x, y])), "a series of keys is one change"
 
