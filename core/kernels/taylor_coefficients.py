@@ -33,6 +33,12 @@ _FREEDOM = 10.0
 #: … but at most 2**_FREEST of the height, unless the tolerance is larger.
 _FREEST = -14.0
 
+#: The error allowed in each coordinate is this many times the tolerance, relative to it …
+_OF_EACH = 2.0**10
+#: … but at least relative to this part of the largest coordinate.
+_LEAST_PART = 2.0**-104
+#: How often a step is shortened for that, at most.
+_SHORTENINGS = 8
 #: log₂ e.
 _LOG2_E = math.log2(math.e)
 #: 1/3: multiplying by it takes less time than dividing by 3.
@@ -127,6 +133,72 @@ def _first_moving(c, d, order):
 
 
 @always_inlined
+def _are_small(c, d, order, state, last):
+    """Whether the last coefficient of each coordinate is small beside its value, by the ratio of their norms."""
+    for i in range(d):
+        if abs(c[i, unsigned(order)]) * state > _OF_EACH * abs(c[i, 0]) * last:
+            return False
+    return True
+
+
+@jitted
+def _largest_term(c, i, order, h):
+    """Largest |c[i, q]| h**q of the terms before the last two."""
+    largest, power = 0.0, 1.0
+    for q in range(order - 1):
+        largest = max(largest, abs(c[i, q]) * power)
+        power *= h
+    return largest
+
+
+@jitted
+def _excess(c, d, order, tolerance, h):
+    """The last two terms of the coordinates, by what is allowed to each; the largest quotient."""
+    largest, excess = 0.0, 0.0
+    for i in range(d):
+        largest = max(largest, _largest_term(c, i, order, h))
+    for i in range(d):
+        left_out = max(abs(c[i, order - 1]), abs(c[i, order]) * h) * h ** (order - 1)
+        allowed = _OF_EACH * tolerance * max(_largest_term(c, i, order, h), _LEAST_PART * largest)
+        if left_out > excess * allowed:
+            excess = left_out / allowed
+    return excess
+
+
+@jitted
+def _resolving_each(c, d, order, tolerance, h):
+    """A step length, at most h, of which the last two terms are small beside the largest one of each coordinate.
+
+    A small coordinate may grow: x' = x(1 - x) leads from 10⁻¹³ to 1, whatever is larger at first. Beyond the radius of
+    convergence the largest term is near the last, so that a shorter length may be too long again.
+    """
+    for _ in range(_SHORTENINGS):
+        excess = _excess(c, d, order, tolerance, h)
+        if not 1.0 < excess < math.inf:
+            break
+        h *= excess ** (-1.0 / (order - 1))
+    return h
+
+
+@always_inlined
+def _step_length_of_all(c, d, order, tolerance, norms):
+    """The step length by the norms of the state and of its last two coefficients."""
+    shrink = min(-1.0, _log2(tolerance) / order)
+    factor = shrink - 0.7 * _LOG2_E / (order - 1)
+    state, before, last = norms[0], _log2(norms[1]), _log2(norms[2])
+    h = 0.0
+    if state != 0.0:
+        h = _exp2(_log_radius(_log2(state), before, last, order, 0) + factor)
+    if _norm(c, d, 1) * h >= state:
+        q = _first_moving(c, d, order)
+        if q == order:
+            return math.inf
+        motion = _log2(_norm(c, d, q)) + shrink * q  # the scale, for h = ρ·2**shrink
+        return max(h, _exp2(_log_radius(motion, before, last, order, q) + factor))
+    return h
+
+
+@always_inlined
 def step_length(c, d, order, tolerance):
     r"""Length of the step that the last two coefficients of the state allow (Jorba, Zou, Exp. Math. 14, 2005).
 
@@ -134,7 +206,8 @@ def step_length(c, d, order, tolerance):
     ρₘ = (scale / ‖c[:, m]‖)**(1/m): the terms left out are then about `tolerance` times the scale. (Jorba and Zou
     choose the order so that the second factor is e⁻²; here it is at most ½.) The scale is ‖x‖ or, where that is larger,
     the displacement in the step, ‖c[:, q]‖ h**q with the first q ≥ 1 for which c[:, q] ≠ 0. So the step does not depend
-    on the units of state and time, and the solution may pass through x = 0.
+    on the units of state and time, and the solution may pass through x = 0. Of each coordinate the terms left out are
+    at most 2¹⁰ times the tolerance of its own size.
 
     Parameters
     ----------
@@ -158,22 +231,13 @@ def step_length(c, d, order, tolerance):
         order = _last_nonzero(c, d, order)
         if order == 0:
             return math.inf
-    state, before, last = _norm(c, d, 0), _norm(c, d, order - 1), _norm(c, d, order)
+    norms = state, before, last = _norm(c, d, 0), _norm(c, d, order - 1), _norm(c, d, order)
     if not state + before + last < math.inf:
         return math.nan
-    shrink = min(-1.0, _log2(tolerance) / order)
-    factor = shrink - 0.7 * _LOG2_E / (order - 1)
-    before, last = _log2(before), _log2(last)
-    h = 0.0
-    if state != 0.0:
-        h = _exp2(_log_radius(_log2(state), before, last, order, 0) + factor)
-    if _norm(c, d, 1) * h >= state:
-        q = _first_moving(c, d, order)
-        if q == order:
-            return math.inf
-        motion = _log2(_norm(c, d, q)) + shrink * q  # the scale, for h = ρ·2**shrink
-        return max(h, _exp2(_log_radius(motion, before, last, order, q) + factor))
-    return h
+    h = _step_length_of_all(c, d, order, tolerance, norms)
+    if _are_small(c, d, order, state, last) and _are_small(c, d, order - 1, state, before):
+        return h
+    return _resolving_each(c, d, order, tolerance, h)
 
 
 @always_inlined

@@ -34,7 +34,9 @@ _TERMS = 3
 #: Least extent of a coordinate, relative to the largest of all: its square is far from underflow.
 _LEAST_EXTENT = 2.0**-60
 #: Largest number of evaluations of the coefficients: one beside the state, others at the state in new units of time.
-_ATTEMPTS = 6
+_ATTEMPTS = 16
+#: Most by which a unit of time is made longer at once.
+_STRETCHED = 2.0**300
 #: Displacement of the state beside which the coefficients are evaluated, relative to the state …
 _BESIDE = 0.5
 #: … times 1 + k/_PRIME for coordinate k (modulo _PRIME), so that coordinates are displaced by different amounts.
@@ -56,7 +58,7 @@ def prepare_step_text(laws: Laws, mode: Mode) -> str:
     """Text of `prepare_step`: writes coefficients to scratch, heights from row d on, and the length to w[LENGTH]."""
     code = _series(laws, mode)
     lines = [f"order = int(w[{ORDER}])", f"c = carray(scratch, ({code.rows}, {STRIDE}))"]
-    lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
+    lines += [f"shrink, stretch, away, limit = 1.0, {_LONGEST}, 0.0, math.nan"]
     lines += [f"{ALONG} = 1.0 if h > 0.0 else -1.0"] if mode.slides else []
     lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, mode, code))]
     lines += _residual_lines(laws, mode)
@@ -71,7 +73,7 @@ def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
     """Lines that evaluate the coefficients, and leave the loop around them unless they have to be evaluated again.
 
     That is necessary in another unit of time: a longer one where a state near the origin makes it so short that
-    rounding of the time could hide the step. And if high coefficients vanish although the solution is not a polynomial
+    rounding of the time could hide the step, as that may by hundreds of powers of ten, each time longer by the square. And if high coefficients vanish although the solution is not a polynomial
     of low degree, as for x' = 1, y' = x**30 at x = 0; the step length is then limited by that at a nearby state.
     """
     names, d = Names(laws), len(laws.x)
@@ -91,8 +93,9 @@ def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
     lines += _faint_lines()
     lines += [f"short = length > {_LONGEST} and not limit <= {_LONGEST} and unit*{_LONGEST} < abs(h)"]
     lines += [f"if length >= {_SHORTEST} and not short:", "    break"]
-    lines += ["if short:", f"    shrink, limit = shrink * {_LONGEST}, limit / {_LONGEST}", "    continue"]
-    return [*lines, f"shrink *= correction_of_unit(length, unit, abs(h) / {_SHORTEST})"]
+    lines += ["if short:", "    shrink, limit = shrink * stretch, limit / stretch"]
+    lines += [f"    stretch = min(stretch * stretch, {_STRETCHED})", "    continue"]
+    return [*lines, f"shrink, stretch = shrink * correction_of_unit(length, unit, abs(h) / {_SHORTEST}), {_LONGEST}"]
 
 
 def _faint_lines() -> list[str]:

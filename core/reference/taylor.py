@@ -21,21 +21,21 @@ from core.transition.records import NO_MODE
 
 __all__ = ["TaylorSolution"]
 
-#: Finer tolerance, far below round-off: its steps are a sixth as long, so that the two runs differ where the field or
-#: g varies within a coarse step and returns.
-_FINE = 1e-34
+#: Finer tolerance, far below round-off: its steps are a fiftieth as long, so that the two runs differ where the field
+#: or g varies within a coarse step and returns.
+_FINE = 1e-58
 #: Coarser tolerance.
 _COARSE = 1e-13
 #: Number of steps between two snapshots of a run, about.
 _STRIDE = 32
 #: Most steps of a solution before the search for a crossing is given up.
-_MAX_STEPS = 300_000
+_MAX_STEPS = 1_000_000
 
 
 class TaylorSolution:
     """Piecewise smooth solution from (t0, x0) by the Taylor method, extended as it is asked for.
 
-    It is computed at tolerances of 1e-34 and 1e-13, with steps of different lengths. The difference of the two runs,
+    It is computed at tolerances of 1e-58 and 1e-13, with steps of different lengths. The difference of the two runs,
     some hundred times the error of the finer one, is the estimate of the error.
 
     Parameters
@@ -53,7 +53,7 @@ class TaylorSolution:
 
     exact = False
     name = (
-        "Taylor method in double precision, with steps so short that truncation is negligible "
+        "Taylor method in double precision, in short steps "
         f"(its error is estimated by comparison with a run at tolerance {_COARSE:g})"
     )
 

@@ -123,3 +123,16 @@ def test_a_unit_in_which_coefficients_overflow_becomes_as_short_as_the_longest_s
     assert correction_of_unit(math.nan, 2.0**300, 2.0**30) == 2.0**-270
     assert correction_of_unit(math.nan, 2.0**20, 2.0**30) == correction_of_unit(0.0, 1.0, 0.0) == 2.0**-40
     assert correction_of_unit(2.0**-50, 2.0**300, 2.0**30) == 2.0**-50
+
+
+@pytest.mark.parametrize("order", [8, 16, 23])
+def test_what_is_left_out_is_small_beside_a_coordinate_much_smaller_than_the_others(order: int) -> None:
+    """1e-13/(1 − s) beside a constant 1: by their norms alone, a step of 3.4 would be allowed."""
+    tolerance = 1e-12
+    c = np.zeros((2, 32))
+    c[0, 0], c[1] = 1.0, 1e-13
+    h = step_length(c, 2, order, tolerance)
+    assert h ** (order - 1) <= 2.0**10 * tolerance * (1.0 + 1e-9)
+    assert h ** (order - 1) >= 2.0**9 * tolerance, "and not much shorter"
+    alike = np.array([c[1], c[1]])
+    assert step_length(alike, 2, order, tolerance) == step_length(alike[:1], 1, order, tolerance), "those alike rule"

@@ -187,3 +187,19 @@ def test_a_step_from_beside_the_pole_of_a_tangent_is_as_long_as_others_where_the
         lambda t, x: 1.0 / np.tan(x) + np.sin(x) * np.cos(x), (0.0, 0.2), system.x0, rtol=1e-12, atol=1e-15
     )
     assert abs(run.x[-1, 0] - exact.y[0, -1]) < 1e-12
+
+
+def test_a_coordinate_that_falls_far_below_the_others_is_followed_to_where_it_grows_again():
+    """x' = x(1 − x), y' = −y and x' = −x, y' = y(1 − y) by turns: y falls to 10⁻¹³, where an error of the tolerance
+    times x is a tenth of it, and then grows to 1. Each part has a closed form."""
+    logistic = lambda u, s: u / (u + (1.0 - u) * np.exp(-s))  # noqa: E731
+    for half in (7.0, 8.0, 9.0):
+        turn = np.pi * half
+        system = core.PiecewiseSystem(
+            "by turns", ("x", "y"), ("-x", "y*(1 - y)"), ("x*(1 - x)", "-y"), f"sin(t/{half!r})", x0=(0.5, 0.5)
+        )
+        run = core.integrate(system, (0.0, 2.0 * turn - 1.0), method="taylor")
+        x, y = logistic(0.5, turn), 0.5 * np.exp(-turn)
+        x, y = x * np.exp(-(turn - 1.0)), logistic(y, turn - 1.0)
+        assert run.crossing_count == 1
+        assert run.x[-1] == pytest.approx([x, y], rel=1e-7)
