@@ -41,6 +41,8 @@ _UNDEFINED_WITHIN = {Status.NO_CONVERGENCE: 1.0, Status.STEP_LIMIT: 2.0**-30}
 _FAILS_AHEAD = (Status.NO_CONVERGENCE, Status.UNSTABLE, Status.GRAZING, Status.SINGULAR)
 #: How many times as many steps as were allowed are left where a higher limit does not help.
 _HIGHER = 100.0
+#: Number of regions in a row from which on a run that leaves each where it entered it goes round: it ends at 16.
+_AT_ONCE = 8
 #: Steps ahead of a failed step within which the solution must run away to be the cause of the failure.
 _AHEAD = 16.0
 
@@ -105,6 +107,8 @@ class Cause(NamedTuple):
     """Whether the run ended after a jump at the surface that it met last."""
     event: str = ""
     """The event function whose zero ended the run; empty if none did."""
+    circles: bool = False
+    """Whether the run goes from region to region in no time, without end."""
     remarks: tuple[str, ...] = ()
     """What is to be said of the event functions, a sentence each."""
     shift: float = 0.0
@@ -154,6 +158,7 @@ def cause_of(run: Run) -> Cause:
         *_singular(run),
         run.jumps_here,
         event,
+        run.status is Status.ZENO and int(run.record["chain"][0]) > _AT_ONCE,
         remarks,
         run.settings.shift,
         run.pole,
@@ -195,6 +200,8 @@ def reason(end: Ending) -> str:
         return f"the numerical solution grows beyond {BOUND:.0e}, up to which a run takes its numbers".replace("+", "")
     if end.status is Status.ESCAPED and end.cause.growth is None and not end.cause.singular:
         return "the solution grows beyond bounds within a few steps from here, and the next step cannot be made"
+    if end.cause.circles:
+        return "the run goes from region to region here in no time: each one entered ends at once, without end"
     if end.status is Status.CORNER:
         why = end.cause.why_cornered
         return str(why) if why == BEYOND.reason else f"{end.status.reason}, and {why}"
@@ -225,6 +232,8 @@ def reason(end: Ending) -> str:
 def _advice(end: Ending) -> str:
     """What to do; where a field is not defined ahead, to write it differently."""
     status, last, laws = end.status, end.last, end.system.laws
+    if end.cause.circles:
+        return "Declare the laws so that a region entered here does not end at once."
     if found := _ahead(end):
         return found.advice
     if _moved_astray(end):
