@@ -6,7 +6,7 @@ A curve has the look of its integrator; how full its marks are tells the number 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -151,20 +151,6 @@ def exact_text(shown: Sequence[Studied], drawn: bool = True) -> str:
     verb = "is" if len(exact) == 1 else "are"
     where = "here: no slope to fit" if drawn else "for every τ: no error to draw"
     return f"{listed(exact)} {verb} exact to round-off {where}."
-
-
-def with_zeros(one: Studied) -> Studied:
-    """Return a study for words on what is drawn: a curve whose known errors are all 0 is 0 where none is known, too.
-
-    Such a curve is not drawn, so neither its zeros nor its gaps are to be seen.
-    """
-    rows = [
-        replace(row, error=np.zeros_like(row.error))
-        if np.isfinite(row.error).any() and not (row.error > 0).any()
-        else row
-        for row in one.rows
-    ]
-    return one._replace(rows=rows)
 
 
 def compared_with(reference: str) -> str:

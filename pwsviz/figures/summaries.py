@@ -219,13 +219,20 @@ def all_fitted(shown: Sequence[Studied]) -> bool:
 
 def _not_drawn(drawn: Sequence[tuple[str, Row]], end: float) -> Iterator[str]:
     """Yield why points or curves are missing, or at the lower end of the plot, if some are."""
-    exact = [name for name, row in drawn if all(error == 0 for error in row.error)]
+    exact = [name for name, row in drawn if _is_zero(row)]
     if exact:
         yield f"The errors {listed([re.sub('^to ', 'of ', name) for name in exact])} are 0 and are not drawn"
-    if any(error < end for name, row in drawn if name not in exact for error in row.error):
+    rest = [error for _, row in drawn if not _is_zero(row) for error in row.error]
+    if any(error < end for error in rest):
         yield "Errors of 0 or below the plot’s range are drawn as downward triangles"
-    if any(not math.isfinite(error) for _, row in drawn for error in row.error):
+    if not all(map(math.isfinite, rest)):
         yield _GAPS
+
+
+def _is_zero(row: Row) -> bool:
+    """Whether all known errors of a curve are 0: it is not drawn, so that its gaps are not to be seen either."""
+    known = [error for error in row.error if math.isfinite(error)]
+    return bool(known) and not any(known)
 
 
 _IRREGULAR = "Where the local slope is irregular, all errors between the limits are fitted; ± is the standard error"

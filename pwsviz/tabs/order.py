@@ -18,7 +18,6 @@ from pwsviz.figures.order import (
     TIME_ERROR,
     OrderView,
     Rows,
-    Studied,
     compared_with,
     exact_text,
     order_numbers,
@@ -26,7 +25,6 @@ from pwsviz.figures.order import (
     state_rows,
     studied,
     time_rows,
-    with_zeros,
 )
 from pwsviz.figures.summaries import (
     all_fitted,
@@ -129,11 +127,7 @@ class OrderTab(LongTab):
         return f"{self._times(outcome)} {made}".strip()
 
     def _made(self, outcome: Studies) -> str:
-        return study_text(self._told(outcome), self._is_early(outcome))
-
-    def _told(self, outcome: Studies) -> list[Studied]:
-        """Return the curves as words tell of them."""
-        return list(map(with_zeros, studied(outcome, self._rows)))
+        return study_text(studied(outcome, self._rows), self._is_early(outcome))
 
     def _is_unusual(self, outcome: Studies) -> bool:
         """Whether there is a reason to read how the study was made."""
@@ -208,7 +202,7 @@ class OrderTab(LongTab):
         at = f"{'before the first crossing and after' if self._rows is state_rows else 'at'} {{}}"
         at = at.format(numbered_crossings(first.crossings)) if first.crossings else f"at t = {first.until:.6g}"
         taus += f", compared with {compared_with(first.reference)} {at}"
-        rule = f"{self._times(outcome)} {fit_rule(self._told(outcome))}".lstrip()
+        rule = f"{self._times(outcome)} {fit_rule(studied(outcome, self._rows))}".lstrip()
         return f"integrated by {methods} with {taus}; {crossings}. {rule}"
 
     def program(self) -> str:

@@ -23,7 +23,6 @@ from pwsviz.figures.order import (
     state_rows,
     studied,
     time_rows,
-    with_zeros,
 )
 from pwsviz.figures.style import BELOW_RANGE, FAINT
 from pwsviz.figures.summaries import slopes_text, study_text
@@ -335,7 +334,7 @@ def test_of_a_curve_of_zeros_with_gaps_neither_triangles_nor_gaps_are_told():
     view = OrderView("error")
     view.show([shown])
     assert view.points.data["marker"].tolist() == ["circle"] * 3
-    told = study_text([with_zeros(shown)], early=False)
+    told = study_text([shown], early=False)
     assert "The errors before are 0 and are not drawn" in told
     assert not {"triangles", "missing"} & set(told.replace(".", "").split())
 
