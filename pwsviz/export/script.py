@@ -28,6 +28,7 @@ from pwsviz.results.sections import HORIZON, SectionPoints, section_arguments
 from pwsviz.results.studies import BEFORE_THE_END, STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
 from pwsviz.results.sweeps import sweep_arguments
 from pwsviz.scene.checks import OWN
+from pwsviz.scene.names import as_met, met_at_surfaces
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 
@@ -60,6 +61,10 @@ def show(run):
     if run.status is not core.Status.COMPLETED:
         print(run.message)
 '''
+
+
+_JUMPS = "{(jumps := run.tally.crossings + run.tally.jumps):,} jump{'s' * (jumps != 1)}"
+"""What a run meets at the surfaces of a system where nothing but jumps is met, on whichever side they lead."""
 
 
 def snippet(scene: Scene, study: str = "") -> str:
@@ -127,9 +132,14 @@ def _parameter(parameter: core.Parameter) -> str:
 
 def _figures(scene: Scene) -> str:
     """Return the function that prints the figures of a run, with the change of ψ if any ψ is known."""
-    if not scene.declaration.laws.most_conserved:
-        return "\n" + _FIGURES.replace("WORST", "")
-    return "\n" + _FIGURES.replace("WORST", ", |change of psi| <= {np.fmax.reduce(run.change_of_psi()):.1e}")
+    worst = ", |change of psi| <= {np.fmax.reduce(run.change_of_psi()):.1e}"
+    figures = _FIGURES.replace("WORST", worst * (scene.declaration.laws.most_conserved > 0))
+    return "\n" + figures.replace("{run.tally}", _JUMPS if _met(scene) == "jumps" else "{run.tally}")
+
+
+def _met(scene: Scene) -> str:
+    """Return what runs meet at the surfaces: crossings, jumps or both."""
+    return met_at_surfaces(scene.declaration)
 
 
 def _runs(scene: Scene) -> str:
@@ -155,7 +165,7 @@ def _runs(scene: Scene) -> str:
 
 def order_program(scene: Scene, inputs: tuple[StudyInputs, ...]) -> str:
     """Return the lines that repeat the order studies of one integrator or of several."""
-    start, scheme = _x0(scene), _texts(_scheme(inputs[0].scheme))
+    start, scheme, noun = _x0(scene), _texts(_scheme(inputs[0].scheme)), as_met("crossing", _met(scene))
     several = len(inputs) > 1
     method = {"method": "method" if several else repr(inputs[0].scheme.method)}
     looked = _call(
@@ -179,10 +189,10 @@ if last < 1:  # there is none
     crossings = (1,) if (run.crossings.passed.t < until).any() else ()
 {study}
 print(f"{{study.method}} against {{study.reference}}")
-print(f"state, before the first crossing and after {{study.crossings}}: slopes {{study.state_slope}}")
-print(f"times of crossings {{study.crossings}}: slopes {{study.time_slope}}")"""
+print(f"state, before the first {noun} and after {{study.crossings}}: slopes {{study.state_slope}}")
+print(f"times of {noun}s {{study.crossings}}: slopes {{study.time_slope}}")"""
     loop = f"for method in {[one.scheme.method for one in inputs]!r}:\n{indent(lines, '    ')}" if several else lines
-    return f"# The order: at crossings {STUDY_CROSSINGS}, or at earlier ones if there are fewer.\n{loop}"
+    return f"# The order: at {noun}s {STUDY_CROSSINGS}, or at earlier ones if there are fewer.\n{loop}"
 
 
 def cost_program(scene: Scene, inputs: CostInputs) -> str:
@@ -227,7 +237,7 @@ def stability_program(scene: Scene, inputs: StabilityInputs, drawn: OutcomeMap |
         keywords |= {"taus": f"np.geomspace{taus}", "values": f"np.linspace{values}"}
     keywords |= _at_surface(inputs)
     call = _call("study = core.stability_study", ("system", f"(0.0, {inputs.t_end!r})"), keywords)
-    return f"# Stability.\n{call}\n{_FOUND[inputs.part]}"
+    return f"# Stability.\n{call}\n{as_met(_FOUND[inputs.part], _met(scene))}"
 
 
 _WHOLE = "whole = core.Status.CROSSING_LIMIT, core.Status.EVENT_LIMIT  # of runs that have all their points"

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d
 from numpy.typing import ArrayLike
 
@@ -44,6 +45,7 @@ from pwsviz.figures.style import (
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.scene.names import as_met
 from pwsviz.text.numbers import printed
 
 __all__ = [
@@ -102,7 +104,7 @@ class CostView:
         keys = legend_marks(plot, self.curves, size=look["size"])
         _, self._hollow = legend_below(plot, [({"field": "label"}, [lines, keys]), (WRONG, hollow)])
 
-    def show(self, study: core.WorkPrecision, across: Across, up: Up) -> None:
+    def show(self, study: core.WorkPrecision, across: Across, up: Up, met: str = "crossings") -> None:
         """Draw a study, or the part that is computed.
 
         Parameters
@@ -113,8 +115,11 @@ class CostView:
             The cost on the horizontal axis.
         up
             The error on the vertical axis.
+        met
+            What runs meet at the surfaces: crossings, jumps or both.
         """
-        self._across.axis_label, self._up.axis_label = ACROSS[across], UP[up]
+        self._across.axis_label, self._up.axis_label = ACROSS[across], as_met(UP[up], met)
+        self._hollow.label = value(as_met(WRONG, met))
         level = study.floor[up] or MACHINE_EPSILON
         bottom = bottom_of(study, up)
         drawn = [_Drawn(curve, across, up, bottom) for curve in study.curves]
@@ -128,7 +133,7 @@ class CostView:
             "label": [one.curve.title for one in drawn],
             **mark_columns([one.line.marker for one in drawn]),
         }
-        rows = [row for one in drawn for row in one.points()]
+        rows = [row | {"status": as_met(row["status"], met)} for one in drawn for row in one.points()]
         for source, place in ((self.points, "right"), (self.wrong, "wrong"), (self.below, "below")):
             source.data = {name: [row[name] for row in rows if row["place"] == place] for name in source.data}
         self._hollow.visible = bool(self.wrong.data["x"])

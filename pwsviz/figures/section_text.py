@@ -14,7 +14,7 @@ from pwsviz.figures.section_prospects import reset_words
 from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints
-from pwsviz.scene.names import met_at_surfaces, readable
+from pwsviz.scene.names import as_met, met_at_surfaces, readable
 from pwsviz.text.advice import on_page
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import at_surface, listed, plural
@@ -83,9 +83,7 @@ def _short_ones(outcome: SectionPoints) -> Iterator[str]:
     short: dict[tuple[str, bool], list[int]] = {}
     for k in outcome.short:
         if (status := outcome.statuses[k]) is not None:
-            met = on_page(status.reason).replace(
-                "crossings or jumps", met_at_surfaces(outcome.inputs.problem.declaration)
-            )
+            met = as_met(on_page(status.reason), met_at_surfaces(outcome.inputs.problem.declaration))
             reason = _AT_REST if k in outcome.at_rest else met
             short.setdefault((reason, counts[k] > 0), []).append(k)
     whole = sum(count == points for count in counts)

@@ -38,7 +38,9 @@ class StabilityView:
         """Return the figure of a part."""
         return self._of(part).figure
 
-    def show(self, study: core.StabilityStudy, part: Part, method: str, what: Shown = "outcome") -> None:
+    def show(
+        self, study: core.StabilityStudy, part: Part, method: str, what: Shown = "outcome", met: str = "crossings"
+    ) -> None:
         """Draw one part of a study, or what is computed of it.
 
         Parameters
@@ -51,12 +53,14 @@ class StabilityView:
             The integrator of the map; the other parts show all integrators.
         what
             What the colours of the map show: "outcome" or "error".
+        met
+            What runs meet at the surfaces: crossings, jumps or both.
         """
         drawn = self._of(part)
         if isinstance(drawn, MapFigure):
-            drawn.show(study, method, what)
+            drawn.show(study, method, what, met)
         else:
-            drawn.show(study)
+            drawn.show(study, met)
 
     def mark(self, tau: float, value: float) -> None:
         """Mark a step size and a coordinate of the start on the map, if it is made."""

@@ -19,6 +19,7 @@ from pwsviz.figures.stability_text import side_words, wrong_number
 from pwsviz.figures.style import BELOW_RANGE, BESIDE, assign, fit_to_corners, mark_levels, plain_figure, tips
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.scene.names import as_met, told
 from pwsviz.text.advice import on_page
 from pwsviz.text.numbers import printed
 
@@ -50,8 +51,8 @@ class DriftFigure:
         plot.add_tools(tips([("", "@method"), ("", "@message")], renderers=[stops]))
         self._stopping = legend_below(plot, [({"field": "method"}, lines), ("the run stops", stops)])[1]
 
-    def show(self, study: core.StabilityStudy) -> None:
-        """Draw what is computed of the long runs."""
+    def show(self, study: core.StabilityStudy, met: str = "crossings") -> None:
+        """Draw what is computed of the long runs, which meet crossings, jumps or both."""
         drift, methods = study.drift, study.methods
         if drift is None:
             self.curves.data = {name: [] for name in self.curves.data}
@@ -67,7 +68,7 @@ class DriftFigure:
             "y": [heights[k][n] for k, n in stopped],
             "colour": [line_of(methods[k]).colour for k, _ in stopped],
             "method": [methods[k] for k, _ in stopped],
-            "message": [printed(on_page(drift.message[k])) for k, _ in stopped],
+            "message": [as_met(printed(on_page(drift.message[k])), met) for k, _ in stopped],
         }
         self._stopping.visible = bool(stopped)
         assign(self.corners, x=drift.t[[0, -1]], y=np.array([FLOOR / 2, _top(heights)]))
@@ -114,11 +115,12 @@ class GrazingFigure:
         entries = [({"field": "method"}, lines), *(("", mark) for mark in marks), ("wrong number of crossings", rings)]
         self._entries = legend_below(plot, entries)[1:]
 
-    def show(self, study: core.StabilityStudy) -> None:
-        """Draw what is computed of the runs near a tangency."""
+    def show(self, study: core.StabilityStudy, met: str = "crossings") -> None:
+        """Draw what is computed of the runs near a tangency, which meet crossings, jumps or both."""
         grazing = study.grazing
         for source in (self.curves, *self.points, self.wrong):
             source.data = {name: [] for name in source.data}
+        self._entries[2].label = {"value": as_met("wrong number of crossings", met)}
         if grazing is None or not grazing.found:
             return
         n = len(study.methods)
@@ -127,10 +129,10 @@ class GrazingFigure:
         # Each mark is a run: in print, too, none tells an integrator.
         self.curves.data = {name: column for name, column in curves.items() if name != "marker"}
         for side, (source, entry) in enumerate(zip(self.points, self._entries[:2], strict=True)):
-            rows = [row for k in range(n) for row in _points(study, grazing, k, side, heights[side * n + k])]
+            rows = [row for k in range(n) for row in _points(study, k, side, heights[side * n + k], met)]
             source.data = {name: [row[name] for row in rows] for name in source.data}
             entry.label = {"value": side_words(study, side)}
-        self._entries[2].label = {"value": wrong_number(grazing)}
+        self._entries[2].label = {"value": as_met(wrong_number(grazing), met)}
         wrong = [(k, side, j) for k, side, j in np.argwhere(grazing.missed != 0).tolist()]
         self.wrong.data = {
             "x": [grazing.delta[j] for _, _, j in wrong],
@@ -156,8 +158,10 @@ def _heights(grazing: Grazing, k: int, side: int) -> Floats:
     return np.where(there, drawable(np.where(np.isfinite(error), error, 0.0)), np.nan)
 
 
-def _points(study: core.StabilityStudy, grazing: Grazing, k: int, side: int, heights: Floats) -> list[dict[str, Any]]:
+def _points(study: core.StabilityStudy, k: int, side: int, heights: Floats, met: str) -> list[dict[str, Any]]:
     """Return the columns of each run of an integrator on one side."""
+    grazing = study.grazing
+    assert grazing is not None  # noqa: S101  (drawn where it is found)
     error, expected = grazing.error[k, side], grazing.expected_met[side]
     return [
         {
@@ -166,10 +170,10 @@ def _points(study: core.StabilityStudy, grazing: Grazing, k: int, side: int, hei
             "colour": line_of(study.methods[k]).colour,
             "method": study.methods[k],
             "side": side_words(study, side),
-            "met": str(core.Tally(*grazing.met[k, side, n].tolist())),
-            "expected": str(core.Tally(*expected[n].tolist())) if grazing.judged[side, n] else "stops",
+            "met": told(core.Tally(*grazing.met[k, side, n].tolist()), met),
+            "expected": told(core.Tally(*expected[n].tolist()), met) if grazing.judged[side, n] else "stops",
             "error": printed(f"{error[n]:.1e}") if np.isfinite(error[n]) else "no value",
-            "status": outcome_words(int(grazing.status[k, side, n])),
+            "status": as_met(outcome_words(int(grazing.status[k, side, n])), met),
         }
         for n in np.flatnonzero(grazing.computed[k, side]).tolist()
     ]

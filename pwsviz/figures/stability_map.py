@@ -22,6 +22,7 @@ from pwsviz.figures.stability_text import has_limit
 from pwsviz.figures.style import WITH_TABLE, assign, fit_to_corners, plain_figure, tips
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.scene.names import as_met, told
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 
@@ -123,10 +124,10 @@ class MapFigure:
             for colour, width in (("#FFFFFF", 6), ("#000000", 2.5))
         ]
 
-    def show(self, study: core.StabilityStudy, method: str, what: Shown) -> None:
+    def show(self, study: core.StabilityStudy, method: str, what: Shown, met: str = "crossings") -> None:
         """Draw what is computed of the map of one integrator, and its largest successful step size."""
         self.figure.yaxis[0].axis_label = f"initial {variable_name(study.coordinate_name)}"
-        cells = {} if study.map is None else _cells(study.map, study.methods.index(method))
+        cells = {} if study.map is None else _cells(study.map, study.methods.index(method), met)
         known, whole = np.isfinite(cells.get("height", np.empty(0))), cells.get("lasts", np.empty(0, dtype=bool))
         every = np.ones(len(known), dtype=bool)
         rows = {"outcome": every, "error": known & whole, "blank": ~known & whole, "ended": ~whole}
@@ -169,7 +170,7 @@ def _choose(event: Event, on_choose: Choose) -> None:
         on_choose(float(event.x), float(event.y))
 
 
-def _cells(found: OutcomeMap, k: int) -> dict[str, NDArray[Any]]:
+def _cells(found: OutcomeMap, k: int, met: str) -> dict[str, NDArray[Any]]:
     """Return the columns of the computed cells of one integrator; they reach to the middle between computed starts."""
     shown = outcomes_shown(found, k)
     row, column = np.nonzero(shown != NOT_YET)
@@ -185,9 +186,9 @@ def _cells(found: OutcomeMap, k: int) -> dict[str, NDArray[Any]]:
         "top": top,
         "tau": np.array([printed(f"{tau:.3g}") for tau in found.taus[row]]),
         "value": np.array([printed(f"{value:.4g}") for value in found.values[column]]),
-        "words": np.array([OUTCOMES[code].words for code in codes]),
-        "met": np.array([str(core.Tally(*one)) for one in found.met[k][row, column].tolist()]),
-        "expected": np.array([str(core.Tally(*one)) for one in found.expected_met[column].tolist()]),
+        "words": np.array([as_met(OUTCOMES[code].words, met) for code in codes]),
+        "met": np.array([told(core.Tally(*one), met) for one in found.met[k][row, column].tolist()]),
+        "expected": np.array([told(core.Tally(*one), met) for one in found.expected_met[column].tolist()]),
         "error": np.array([printed(f"{e:.1e}") if np.isfinite(e) else "no value" for e in error]),
         "colour": np.array([OUTCOMES[code].colour for code in codes]),
         "height": np.maximum(error, FLOOR),

@@ -13,7 +13,7 @@ from core.integration import largest_size
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.shades import shades_of
 from pwsviz.results.requests import RunInputs
-from pwsviz.scene.names import met_at_surfaces, tally_of
+from pwsviz.scene.names import as_met, met_at_surfaces, tally_of, told
 from pwsviz.text.advice import on_page
 
 __all__ = ["Summary", "summary_of", "warning_of"]
@@ -37,10 +37,13 @@ class Summary:
     begins: str = ""
     """That it rests, or slides along a surface, from its start on; empty where it does neither."""
 
+    meets: str = "crossings"
+    """What runs of its system meet at the surfaces: crossings, jumps or both."""
+
     @property
     def course(self) -> str:
         """How it begins, if that is worth a word, and how often it crossed, jumped and slid."""
-        met = "" if self.begins and not any(self.met[:3]) else str(self.met)
+        met = "" if self.begins and not any(self.met[:3]) else told(self.met, self.meets)
         return ", ".join(filter(None, (self.begins, met)))
 
 
@@ -57,12 +60,13 @@ def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summar
         status=run.status,
         message=_message(run) if run.status is not core.Status.COMPLETED else "",
         begins=_beginning(run),
+        meets=met_at_surfaces(run.system),
     )
 
 
 def _message(run: core.Trajectory) -> str:
     """Return why a run ended, with what it meets at its surfaces by its name."""
-    return on_page(run.outcome, run.system.variables).replace("crossings or jumps", met_at_surfaces(run.system))
+    return as_met(on_page(run.outcome, run.system.variables), met_at_surfaces(run.system))
 
 
 def warning_of(run: core.Trajectory) -> str:

@@ -70,12 +70,25 @@ def met_at_surfaces(system: core.PiecewiseSystem) -> str:
     return " and ".join(word for jump, word in ((False, "crossings"), (True, "jumps")) if jump in (jumps or {False}))
 
 
+def as_met(words: str, met: str) -> str:
+    """Return words on crossings for a system whose runs meet what `met_at_surfaces` gives: jumps, if nothing else."""
+    words = words.replace("crossings or jumps", met)
+    return re.sub(r"\bcrossing(?=s?\b)", "jump", words).replace("Crossing", "Jump") if met == "jumps" else words
+
+
 def tally_of(run: core.Trajectory) -> core.Tally:
     """Return how often a run meets surfaces, counted under the names that `met_at_surfaces` gives."""
-    met = run.tally
-    if met_at_surfaces(run.system) != "jumps":
-        return met
-    return met._replace(crossings=0, jumps=met.crossings + met.jumps)
+    return counted_as(run.tally, met_at_surfaces(run.system))
+
+
+def counted_as(tally: core.Tally, met: str) -> core.Tally:
+    """Return a tally under the names of what runs meet: where these are jumps alone, none is called a crossing."""
+    return tally._replace(crossings=0, jumps=tally.crossings + tally.jumps) if met == "jumps" else tally
+
+
+def told(tally: core.Tally, met: str) -> str:
+    """Return the same in words, such as “3 crossings, 2 slides”; “0 jumps” where runs meet jumps alone, and none."""
+    return as_met(str(counted_as(tally, met)), met)
 
 
 def named_settings(settings: Collection[str]) -> str:

@@ -15,7 +15,7 @@ from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe, described
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import Results
-from pwsviz.scene.names import met_at_surfaces
+from pwsviz.scene.names import as_met, met_at_surfaces
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers, table_markup
@@ -169,6 +169,10 @@ class Tab(pn.viewable.Viewer):
 
     def link(self, portrait: PortraitView) -> None:
         """Let the figures follow the player and mark crossings under the pointer, when made; nothing by default."""
+
+    def as_met(self, words: str) -> str:
+        """Return words on crossings, which are jumps where the runs of the scene meet nothing else."""
+        return as_met(words, met_at_surfaces(self.scene.declaration))
 
     # For the page ----------------------------------------------------------------------------------------------------
 
@@ -334,7 +338,7 @@ class LongTab(Tab):
 
 def counted(scene: Scene) -> str:
     """Say what else counts as a crossing where sequences of crossings are compared; empty if nothing does."""
-    return "Jumps count as crossings." if "jumps" in met_at_surfaces(scene.declaration) else ""
+    return "Jumps count as crossings." if met_at_surfaces(scene.declaration) == "crossings and jumps" else ""
 
 
 def about_crossings(scene: Scene, locates: bool = False) -> str:
@@ -345,10 +349,11 @@ def about_crossings(scene: Scene, locates: bool = False) -> str:
     locates
         Whether it locates crossings even where the runs of the portrait do not.
     """
+    words = ""
     if not scene.locate and locates:
-        return "Crossings are located here, although the runs of the portrait step over the surface."
-    if not scene.locate:
-        return "The integrators step over the surface: crossings are not located."
-    if scene.perturbation_order is not None:
-        return "Crossing times are not perturbed here, although those of the portrait are."
-    return ""
+        words = "Crossings are located here, although the runs of the portrait step over the surface."
+    elif not scene.locate:
+        words = "The integrators step over the surface: crossings are not located."
+    elif scene.perturbation_order is not None:
+        words = "Crossing times are not perturbed here, although those of the portrait are."
+    return as_met(words, met_at_surfaces(scene.declaration))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from pwsviz.figures.cost import (
 )
 from pwsviz.figures.cost_text import lies_below, missing_text, settings_text, shows_round_off
 from pwsviz.results.requests import CostInputs
-from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS, met_at_surfaces
+from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS, counted_as, met_at_surfaces
 from pwsviz.tabs.base import LongTab, about_crossings, counted
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
@@ -60,7 +61,7 @@ class CostTab(LongTab):
         """Make the choices of the axes and of the external solvers, and the plot."""
         self.view = CostView()
         across = choice(self.scene, "cost_across", lambda: {words: key for key, words in COST_ACROSS.items()})
-        up = choice(self.scene, "cost_up", lambda: {words: key for key, words in COST_UP.items()})
+        up = choice(self.scene, "cost_up", self._errors, ("system", "own"))
         peers = Choices(
             label=LABELS["peers"], options=list(EXTERNAL_SOLVERS.values()), value=self._peers(), margin=(4, 0),
             stylesheets=[SEEN_NAME],
@@ -71,6 +72,9 @@ class CostTab(LongTab):
         controls = pn.FlexBox(across, up, peers, margin=0, sizing_mode="stretch_width")
         return [controls, self.progress, self.plot(self.view.figure)]
 
+    def _errors(self) -> dict[str, str]:
+        return {self.as_met(words): key for key, words in COST_UP.items()}
+
     def _peers(self) -> list[str]:
         return [EXTERNAL_SOLVERS[key] for key in self.scene.peers]
 
@@ -78,8 +82,13 @@ class CostTab(LongTab):
         """Draw the curves and return in words what they are."""
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         across, up = self.scene.cost_across, self.scene.cost_up
-        self.view.show(outcome, across, up)
-        return cost_text(outcome, across, up)
+        outcome = self._counted(outcome)
+        self.view.show(outcome, across, up, met_at_surfaces(self.scene.declaration))
+        return self.as_met(cost_text(outcome, across, up))
+
+    def _counted(self, outcome: core.WorkPrecision) -> core.WorkPrecision:
+        """Return the study with what the solution meets counted as the page does."""
+        return replace(outcome, met=counted_as(outcome.met, met_at_surfaces(self.scene.declaration)))
 
     def remark(self, outcome: core.WorkPrecision) -> str:
         """Return what counts as a crossing, and what runs do at crossings, if that is unusual."""
@@ -87,7 +96,7 @@ class CostTab(LongTab):
 
     def details(self, outcome: core.WorkPrecision) -> str:
         """Return what is measured and how."""
-        return cost_details(outcome, self.scene.cost_across, self.scene.cost_up)
+        return self.as_met(cost_details(self._counted(outcome), self.scene.cost_across, self.scene.cost_up))
 
     def _about_crossings(self, outcome: core.WorkPrecision) -> str:
         """Say what integrators and external solvers do at crossings, if that is unusual."""
@@ -96,7 +105,7 @@ class CostTab(LongTab):
 
     def numbers(self, outcome: core.WorkPrecision) -> Sequence[Numbers]:
         """Return the cheapest integrators."""
-        return [cost_numbers(outcome, self.scene.cost_across, self.scene.cost_up)]
+        return [cost_numbers(outcome, self.scene.cost_across, self.scene.cost_up).worded(self.as_met)]
 
     def how(self, outcome: core.WorkPrecision) -> str:
         """Return what the runs do at crossings, what they are compared with, and how they are timed."""
@@ -104,12 +113,13 @@ class CostTab(LongTab):
         slides = scene.slides and outcome.met.slides > 0
         met = met_at_surfaces(scene.declaration)
         crossings = at_surface(met, scene.locate, slides) if any(outcome.met) else ""
-        by = f"integrated by {listed([curve.title for curve in outcome.curves])} {compared_with(outcome)}"
+        integrators = listed([curve.title for curve in outcome.curves])
+        by = f"integrated by {integrators} {compared_with(self._counted(outcome))}"
         peers = [curve.title for curve in outcome.curves if curve.peer]
         verbs = ("locates", "restarts") if len(peers) == 1 else ("locate", "restart")
         crossings += f"; {listed(peers)} {verbs[0]} {met} as events and {verbs[1]} at each" * bool(peers and crossings)
         runs = "; ".join(filter(None, [by, f"{settings_text(outcome)}{missing_text(outcome)}", crossings]))
-        return f"{runs}. {timed_how(outcome)}"
+        return self.as_met(f"{runs}. {timed_how(outcome)}")
 
     def heading(self, outcome: core.WorkPrecision) -> str:
         """Return what diagram it is."""
@@ -124,7 +134,7 @@ class CostTab(LongTab):
             outcome, self.scene.cost_up
         )
         level = f" {ROUND_OFF[self.scene.cost_up]}" * shows_round_off(outcome, self.scene.cost_up)
-        return f"{MEANING[self.scene.cost_up]}{level}{below}{hollow}"
+        return self.as_met(f"{MEANING[self.scene.cost_up]}{level}{below}{hollow}")
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""

@@ -111,9 +111,11 @@ class StabilityTab(LongTab):
         self._offer()
         scene = self.scene
         coloured: Shown = scene.stability_shown if self._knows_psi else "outcome"
-        self.view.show(outcome, scene.stability_part, scene.selected_method, coloured)
+        met = met_at_surfaces(scene.declaration)
+        self.view.show(outcome, scene.stability_part, scene.selected_method, coloured, met)
         self.view.mark(scene.tau, scene.x0[outcome.coordinate])
-        return map_text(outcome) if scene.stability_part == "map" else stability_text(outcome, scene.stability_part)
+        part = scene.stability_part
+        return self.as_met(map_text(outcome) if part == "map" else stability_text(outcome, part))
 
     def remark(self, outcome: core.StabilityStudy) -> str:
         """Return what counts as a crossing, and what runs do at crossings, if that is unusual."""
@@ -122,11 +124,12 @@ class StabilityTab(LongTab):
 
     def details(self, outcome: core.StabilityStudy) -> str:
         """Return in words what the map is made of."""
-        return stability_text(outcome, "map") if self.scene.stability_part == "map" else ""
+        return self.as_met(stability_text(outcome, "map")) if self.scene.stability_part == "map" else ""
 
     def numbers(self, outcome: core.StabilityStudy) -> Sequence[Numbers]:
         """Return the figures of the part shown."""
-        return stability_numbers(outcome, self.scene.stability_part, self.scene.selected_method)
+        tables = stability_numbers(outcome, self.scene.stability_part, self.scene.selected_method)
+        return [one.worded(self.as_met) for one in tables]
 
     def _go(self, tau: float, value: float) -> None:
         """Take the step size and the start on which the user clicked, rounded to what a screen resolves."""
@@ -142,7 +145,7 @@ class StabilityTab(LongTab):
 
     def heading(self, outcome: core.StabilityStudy) -> str:
         """Return what the part shown is about."""
-        return HEADINGS[self.scene.stability_part]
+        return self.as_met(HEADINGS[self.scene.stability_part])
 
     def free(self) -> str:
         """Return the coordinate that is another one in each run of a map, or beside a tangency."""
@@ -155,7 +158,7 @@ class StabilityTab(LongTab):
         known = self._knows_psi and any(core.METHODS[name].conservative for name in outcome.methods)
         if part == "map" and not has_limit(outcome, self.scene.selected_method):
             return counted(self.scene)
-        words = MEANINGS[part].format(*((",", CONSERVES) if known else (" and", "")))
+        words = self.as_met(MEANINGS[part].format(*((",", CONSERVES) if known else (" and", ""))))
         return f"{words} {counted(self.scene)}".rstrip() if part == "map" else words
 
     def key(self, outcome: core.StabilityStudy) -> str:
@@ -164,14 +167,16 @@ class StabilityTab(LongTab):
             return ""
         method = self.scene.selected_method
         conserves = self._knows_psi and core.METHODS[method].conservative
-        return f"{KEY.format(CONSERVED * conserves) * has_limit(outcome, method)} {counted(self.scene)}".strip()
+        key = self.as_met(KEY.format(CONSERVED * conserves)) * has_limit(outcome, method)
+        return f"{key} {counted(self.scene)}".strip()
 
     def how(self, outcome: core.StabilityStudy) -> str:
         """Return which runs are drawn of the part shown, and how they were integrated."""
         system, part = self.scene.declaration, self.scene.stability_part
         crossings = at_surface(met_at_surfaces(system), self.scene.locate, self.scene.slides and may_slide(system))
-        which = runs_drawn(outcome, part, self.scene.selected_method)
-        return f"{which}; {crossings}. {stability_text(outcome, part, caption=True) * (part != 'drift')}".rstrip(". ")
+        which = self.as_met(runs_drawn(outcome, part, self.scene.selected_method))
+        words = self.as_met(stability_text(outcome, part, caption=True)) * (part != "drift")
+        return f"{which}; {crossings}. {words}".rstrip(". ")
 
     def pictures(self) -> list[figure]:
         """Return the figure of the part shown, if it shows anything."""

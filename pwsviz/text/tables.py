@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from html import escape
 
@@ -20,6 +20,11 @@ class Numbers:
     note: str = ""
     """What holds for the whole table."""
     caption: str = ""
+
+    def worded(self, words: Callable[[str], str]) -> Numbers:
+        """Return the table with each of its texts as `words` says it."""
+        rows = tuple(tuple(map(words, row)) for row in self.rows)
+        return Numbers(tuple(map(words, self.header)), rows, words(self.note), words(self.caption))
 
 
 def table_markup(table: Numbers) -> str:

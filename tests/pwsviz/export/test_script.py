@@ -16,6 +16,7 @@ import core
 from pwsviz.export.script import section_program, snippet
 from pwsviz.results.requests import SectionInputs, SweepInputs, other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import Results
+from pwsviz.scene import names
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import make_tab
@@ -87,7 +88,7 @@ def test_the_program_runs_what_the_page_runs(key, monkeypatch, capsys):
     said = capsys.readouterr().out
     for run in page_runs(scene):
         assert f"{run.method} from " in said
-        assert f"{run.steps:,} steps, {run.tally}, " in said
+        assert f"{run.steps:,} steps, {names.told(run.tally, names.met_at_surfaces(run.system))}, " in said
         if any(region.psi for region in scene.declaration.regions.values()):
             told = float(re.search(rf"{run.method} from .*<= (\S+)", said)[1])
             # Where round-off is all that is lost: numpy's powers of one number and of many differ by an ulp.

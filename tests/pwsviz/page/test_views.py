@@ -1,11 +1,16 @@
 """The views beside the portrait: made when looked at, computed when wanted, and spoken of in words."""
 
+import re
+
 import numpy as np
 import pytest
+from bokeh.models import LegendItem
 
 import core
+from pwsviz.export.script import snippet
 from pwsviz.scene.views import VIEWS
 from tests.levels import deep_but
+from tests.pwsviz.own_systems import KICKED
 
 
 def counts(explorer):
@@ -270,3 +275,18 @@ def test_the_order_says_that_crossing_times_are_perturbed(explorer):
     explorer.scene.load({"view": "order", "perturbation_order": 1, "methods": ["dmm2"]})
     assert explorer.settle(60)
     assert "Crossing times are perturbed by τ." in explorer.view.words.object
+
+
+@pytest.mark.parametrize(("view", "part"), [("cost", "map"), ("stability", "map"), ("stability", "grazing")])
+def test_stability_cost_and_the_program_say_jumps_of_a_system_that_is_kicked_as_the_portrait_does(explorer, view, part):
+    scene = explorer.scene
+    scene.use(KICKED)
+    scene.param.update(t_end=3.5, tau=0.05, peers=[], methods=["rk4"], stability_part=part, view=view)
+    assert explorer.settle(120)
+    tab = explorer.view
+    said = [tab.words.object, tab.details(tab.outcome), tab.how(tab.outcome), tab.meaning(tab.outcome)]
+    said += [tab.heading(tab.outcome), str([item.label for one in tab.plots for item in one.object.select(LegendItem)])]
+    assert "jump" in " ".join(said)
+    assert not re.findall("[^.]*crossing[^.]*", " ".join(said))
+    printed = [line for line in snippet(scene, tab.program()).splitlines() if "print" in line or line.startswith("#")]
+    assert not [line for line in printed if re.search(r"(?<!\.)\bcrossing", line)]

@@ -3,7 +3,7 @@
 import pytest
 
 import core
-from pwsviz.scene.names import met_at_surfaces, readable, tally_of
+from pwsviz.scene.names import as_met, met_at_surfaces, readable, tally_of, told
 from tests.pwsviz.own_systems import KICKED, SQUARE_WAVE
 
 
@@ -26,3 +26,11 @@ def test_what_marks_call_a_jump_is_counted_as_one(system, met, words):
     run = core.integrate(system, (0.0, 4.5), tau=0.05, method="rk4")
     assert met_at_surfaces(system) == met
     assert str(tally_of(run)) == words
+
+
+def test_words_on_crossings_are_words_on_jumps_where_runs_meet_nothing_else():
+    words = "Crossings are located; crossings or jumps come closer; error of the last crossing time"
+    assert as_met(words, "jumps") == "Jumps are located; jumps come closer; error of the last jump time"
+    assert as_met("crossings or jumps come closer", "crossings and jumps") == "crossings and jumps come closer"
+    assert as_met("3 crossings", "crossings") == "3 crossings"
+    assert told(core.Tally(), "jumps") == "0 jumps"
