@@ -287,7 +287,7 @@ class Results:
         return tuple(self._get("warning", one, cancel, partial(self._warning, one, cancel)) for one in inputs)
 
     def _warning(self, inputs: RunInputs, cancel: Cancel) -> str:
-        return warning_of(self.run(inputs, cancel))
+        return warning_of(self.run(inputs, cancel), inputs.scheme.locate)
 
     def backdrop(self, problem: InitialValueProblem, window: Window, levels: Levels, plane: Plane = XY) -> Backdrop:
         """Return the backdrop of the portrait on a window, with these level sets besides the usual ones."""

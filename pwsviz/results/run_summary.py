@@ -14,7 +14,7 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.shades import shades_of
 from pwsviz.results.requests import RunInputs
 from pwsviz.scene.names import as_met, met_at_surfaces, tally_of, told
-from pwsviz.text.advice import on_page
+from pwsviz.text.advice import locating, on_page
 
 __all__ = ["Summary", "summary_of", "warning_of"]
 
@@ -69,9 +69,13 @@ def _message(run: core.Trajectory) -> str:
     return as_met(on_page(run.outcome, run.system.variables), met_at_surfaces(run.system))
 
 
-def warning_of(run: core.Trajectory) -> str:
-    """Return what is said against the step size of a run; empty if that is nothing. It takes longer than many a run."""
-    return on_page(step_warning(run), run.system.variables)
+def warning_of(run: core.Trajectory, locate: bool = True) -> str:
+    """Return what is said against the step size of a run; empty if that is nothing. It takes longer than many a run.
+
+    One that steps over surfaces is not mended by shorter steps: there the advice is to `locate` crossings first.
+    """
+    words = on_page(step_warning(run), run.system.variables)
+    return words if locate or not run.crossing_count else locating(words)
 
 
 def _beginning(run: core.Trajectory) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 from pwsviz.text.math_names import variable_name
 
-__all__ = ["on_page", "without_advice"]
+__all__ = ["locating", "on_page", "without_advice"]
 
 
 def _state(found: re.Match[str]) -> str:
@@ -55,7 +55,8 @@ _FOLLOWED = r"(?= = |' | after a reset | is about |: write the system )"
 #: What a message advises, which has no place under a printed figure.
 _ADVICE = (
     r"\. If it touches it, no step size helps: change [^.;]*\. Otherwise take [^.;]*",
-    r"[;,] (?:take|give) [^.;]*(?:\.\d[^.;]*)*",
+    r"[;,:] (?:take|give) [^.;]*(?:\.\d[^.;]*)*",
+    r" First switch on “Locate crossings”\.",
 )
 
 
@@ -64,6 +65,11 @@ def without_advice(message: str) -> str:
     for pattern in _ADVICE:
         message = re.sub(pattern, "", message)
     return message
+
+
+def locating(warning: str) -> str:
+    """Return a warning of a run that steps over a surface: what it advises is to locate crossings, before all else."""
+    return f"{without_advice(warning)} First switch on “Locate crossings”." if warning else ""
 
 
 def on_page(message: str, variables: Iterable[str] = ()) -> str:

@@ -91,3 +91,14 @@ def test_sizes_of_variables_are_told_by_their_symbols():
 )  # fmt: skip
 def test_captions_leave_out_what_a_warning_advises(message, kept):
     assert without_advice(message) == kept
+
+
+@pytest.mark.parametrize("system", ["predator_prey", "coulomb_friction", "kepler", "stick_slip"])
+def test_where_crossings_are_not_located_a_warning_advises_to_locate_them_and_nothing_else(system):
+    scene = Scene(system=system, locate=False)
+    scene.param.update(methods=["rk4"], tau=0.3)
+    [words] = Results().warnings(tuple(run_inputs(scene)[:1]))
+    assert words.endswith(". First switch on “Locate crossings”.")
+    assert LABELS["locate"].startswith("Locate crossings")
+    assert not re.search("[Tt]ake|[Gg]ive", words)
+    assert not re.search("[Tt]ake|Locate", without_advice(words)), "captions have no advice"
