@@ -108,7 +108,7 @@ def examined_words(found: Diagram) -> str:
 def _at(found: Diagram, some: Floats) -> str:
     """Return in words the stretches in which all runs examined are those at some values."""
     name = parameter_name(found.inputs)
-    parts = [" to ".join(f"{end:.6g}" for end in dict.fromkeys(ends)) for ends in stretches_of(found, some)]
+    parts = [" to ".join(map(found.told, dict.fromkeys(ends))) for ends in stretches_of(found, some)]
     return f"at {name} = {listed(parts)}" if len(parts) <= FEW else f"in {len(parts)} stretches of {name}"
 
 
@@ -213,8 +213,8 @@ def _at_present(found: Diagram, present: float, chosen: Diagram | None) -> str:
     nearest = found.values[there[np.abs(found.values[there] - present).argmin()]]
     if abs(nearest - present) > found.spacing:
         return ""
-    beside = ", nearest to the chosen value," * bool(nearest != present)
-    return _repeats(found, found, float(nearest), f"At {name} = {nearest:.6g}{beside}")
+    beside = "the swept value nearest to " * bool(nearest != present)
+    return _repeats(found, found, float(nearest), f"At {beside}{name} = {present:.6g}")
 
 
 def _repeats(found: Diagram, among: Diagram, value: float, at: str) -> str:
@@ -228,7 +228,7 @@ def _repeats(found: Diagram, among: Diagram, value: float, at: str) -> str:
     if value in among.warned:
         return f"{at} no period is stated: the run is in doubt."
     if len(doubt := among.doubtful_beside(value)):
-        values = listed([f"{one:.6g}" for one in doubt])
+        values = listed(list(map(found.told, doubt)))
         return f"{at} no period is stated: the nearest runs examined, at {values}, are in doubt."
     turn = TURN if inputs.column in angles(inputs.problem.declaration) else math.inf
     if (period := period_of(points, height, turn, found.round_off)) == 1:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -116,6 +117,11 @@ class Diagram:
     def spacing(self) -> float:
         """Distance of one value from the next."""
         return (self.inputs.high - self.inputs.low) / (len(self.values) - 1)
+
+    def told(self, value: float) -> str:
+        """Return one of the values with the digits that tell it from the next, 8.701 for 8.70075."""
+        digits = -math.floor(math.log10(self.spacing)) if len(self.values) > 1 else 6
+        return f"{round(float(value), digits):.6g}"
 
     @property
     def round_off(self) -> float:

@@ -1,6 +1,7 @@
 """The bifurcation diagram shows what was computed, marks where runs end early, and says so in words."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -133,7 +134,7 @@ def test_a_click_chooses_a_value():
 def test_words_and_table_say_how_many_values_end_how_and_where():
     words = sweep_text(MIXED, -2.9)
     repeat = "the points have period 2, of crossings in both directions."
-    assert words.startswith(f"At a₋ = -3, nearest to the chosen value, {repeat}")
+    assert words.startswith(f"At the swept value nearest to a₋ = -2.9 {repeat}")
     plotted = "10 points: x on S for 6 values of a₋ from -3 to 3. The 4 points requested were found for 2"
     assert sweep_details(MIXED).startswith(plotted)
     rows = {row[0]: row[1:] for row in sweep_numbers(MIXED).rows}
@@ -144,7 +145,7 @@ def test_words_and_table_say_how_many_values_end_how_and_where():
     }
     assert sweep_numbers(diagram([LIMIT] * 7)).rows == ()
     assert "The 4 points requested were found for every value." in sweep_details(diagram([LIMIT] * 7))
-    assert "nearest to the chosen value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
+    assert "the swept value nearest to" not in sweep_text(diagram([LIMIT] * 7), 9.0)
     assert "were found for none of the 7 values." in sweep_details(diagram([DONE] * 7))
 
 
@@ -220,8 +221,8 @@ def test_how_names_all_that_repeats_the_diagram():
 
 def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it():
     one = diagram([LIMIT, *[TO_COME] * 6])
-    assert "nearest to the chosen value" in sweep_text(one, -2.1)
-    assert "nearest to the chosen value" not in sweep_text(one, -1.9)
+    assert "the swept value nearest to" in sweep_text(one, -2.1)
+    assert "the swept value nearest to" not in sweep_text(one, -1.9)
 
 
 def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
@@ -249,3 +250,12 @@ def test_axes_name_the_coordinate_as_formulas_do():
     view, nothing = SweepView(print, print), np.zeros(2, dtype=np.int64)
     view.show(Diagram(SweepInputs.of_scene(scene), np.array([0.0, 2.0]), nothing + TO_COME, nothing))
     assert view.figure.yaxis[0].axis_label == "φ mod 2π"
+
+
+def test_values_between_those_of_the_sweep_are_told_as_chosen_and_those_of_the_sweep_in_few_digits():
+    found = diagram([LIMIT] * 7)
+    low, spacing = found.values[0], found.spacing
+    present = float(low + 0.4 * spacing)
+    assert sweep_text(found, present).startswith(f"At the swept value nearest to a₋ = {present:.6g}")
+    grid = SimpleNamespace(values=np.linspace(8.0, 9.2, 400), spacing=1.2 / 399)
+    assert Diagram.told(grid, grid.values[233]) == "8.701"

@@ -54,7 +54,7 @@ def test_a_value_of_the_diagram_or_of_a_continuation_is_not_computed_again(page)
     page.scene.accept("sweep_continuation", "up")
     page.scene.accept("values.belt", 1.21)
     assert page.settle(60)
-    assert "nearest to the chosen value" in page.view.words.object
+    assert "the swept value nearest to" in page.view.words.object
     assert (page.results.computed["swept value"], len(page.view.view.chosen.data["x"])) == (before, 0)
     page.scene.accept("sweep_continuation", "none")
     assert page.settle(60)
