@@ -91,7 +91,7 @@ _HELP = {
     "derivatives. A region that is left out has no law.",
     "quantities": "Optional. One region per line.",
     "resets": "One surface per line, and the value of each variable after it is reached. A wall is a surface with a "
-    "reset, and no law beyond it.",
+    "reset and no law beyond it.",
     "transitions": "For hysteresis. A region ends where its guard, positive inside, falls to 0. If the state jumps "
     "there, add => and the value of each variable after it.",
 }

@@ -101,17 +101,17 @@ _USE = (
     "conserved quantities of the selected one.",
     "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "
     "once a transient is over. Click in it to set the parameter. Under “more”: which surface, how many points, and "
-    "whether each run starts where that of the value before ended.",
+    "whether each run starts where the run of the previous value ended.",
     "Where both fields point towards the surface, the solution slides along it (Filippov), as a block sticks under dry "
-    "friction; the run follows it, or stops there if “Slide along the surface” is not ticked. A thick green line shows "
-    "where, a dashed one where the surface repels.",
+    "friction. The run follows it, or stops there if “Slide along the surface” is not ticked. A thick green line marks "
+    "the sliding part of the surface, a dashed one the repelling part.",
     "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field to see what it means.",
-    "Where there are several surfaces, a region is named by the signs of their functions: +− is where the first is "
+    "Where there are several surfaces, a region is named by the signs of their functions: in +− the first is "
     "positive and the second negative. Shades tell neighbouring regions apart.",
     "“Write your own …” takes the laws of both sides of a surface, or one law with sign, abs, max and so on, in which "
     "up to six surfaces are found; or, behind “Several surfaces, walls, hysteresis”, the law of each region. Conserved "
     "quantities are checked as you type.",
-    "The address contains the scene and the settings of the view that is shown; opening it restores them.",
+    "The address contains the scene and the settings of the current view; opening it restores them.",
 )
 
 _KEYS = {
