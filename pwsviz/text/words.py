@@ -15,9 +15,17 @@ _SIZE = re.compile(r"\|[^|<>]{1,24}\|")
 
 _ENDS_SENTENCE = re.compile(r"(?<=\.) (?=[A-Z])")
 
-_MORE = """<button class="more" aria-label="more" aria-expanded="false" onclick="\
-this.ariaExpanded = this.ariaExpanded != 'true'; this.ariaLabel = this.ariaExpanded == 'true' ? 'less' : 'more'\
-"></button>"""
+_UNFOLD = """\
+const root = this.getRootNode(), buttons = () => [...root.querySelectorAll('.more')], opens = one => one.ariaExpanded;\
+const tell = (one, open) => { one.ariaExpanded = open; one.ariaLabel = open == 'true' ? 'less' : 'more' };\
+tell(this, opens(this) == 'true' ? 'false' : 'true');\
+root.unfolded = buttons().map(opens);\
+root.keeping ??= new MutationObserver(() => buttons().forEach((one, k) => tell(one, root.unfolded[k] ?? 'false')));\
+root.keeping.observe(root, { childList: true, subtree: true })\
+"""
+"""JavaScript of a button that unfolds: what a user has unfolded stays so when other words take its place."""
+
+_MORE = f'<button class="more" aria-label="more" aria-expanded="false" onclick="{escape(_UNFOLD)}"></button>'
 """Before what it unfolds; seen on narrow screens only, with its label as its text."""
 
 _SHORT = 24

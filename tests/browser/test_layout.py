@@ -7,7 +7,7 @@ import pytest
 
 from pwsviz.scene.views import VIEWS
 from pwsviz.widgets.lecture import LABELS, LARGER
-from tests.browser.looking import BLANK_KEYS, THEME, await_built, await_painted, becomes, canvas
+from tests.browser.looking import BLANK_KEYS, THEME, await_built, await_painted, becomes, canvas, field
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
 pytestmark = pytest.mark.browser
@@ -302,6 +302,23 @@ def test_a_warning_is_folded_after_its_first_sentence_on_a_phone_and_whole_on_a_
     assert becomes(page, lambda: whole.count() == 1)
     page.get_by_role("button", name="less", exact=True).click()
     assert becomes(page, lambda: whole.count() == 0)
+
+
+@pytest.mark.deep
+def test_a_warning_that_is_unfolded_on_a_phone_stays_so_when_the_next_run_brings_other_words(visit):
+    page = visit(420, 900, query="v=2&methods=rk2&tau=0.4")
+    page.get_by_role("button", name="more", exact=True).click()
+    advice = page.locator(".others").get_by_text("Otherwise take a smaller step size").locator("visible=true")
+    assert becomes(page, lambda: advice.count() == 1)
+    page.get_by_role("button", name="menu").click()
+    for tau in ("0.39", "0.38"):
+        before = page.locator(".stopped").first.text_content()
+        field(page, "Step size τ").fill(tau)
+        field(page, "Step size τ").press("Enter")
+        told = page.locator(".stopped").first
+        assert becomes(page, lambda told=told, before=before: told.text_content() != before)
+        assert becomes(page, lambda: advice.count() == 1)
+    assert page.locator(".more[aria-label=less]").count() == 1
 
 
 def test_the_footer_of_the_first_page_is_seen_whole(visit):
