@@ -52,6 +52,7 @@ MEANINGS: Mapping[str, str] = {
     "slides": "how often sliding begins",
     "expected_slides": "how often sliding begins in the solution",
     "value": "value of the parameter",
+    "chosen": "1 at the chosen value of the parameter, which the figure marks; 0 at others",
     "ended": "how the run of a value ended",
     "doubt": "whether the run of a value was examined for errors and is in doubt; empty if it was not examined",
     "points": "number of its points",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -114,21 +115,33 @@ def conserved_tables(runs: Drawn) -> Tables:
     }
 
 
-def sweep_tables(found: Diagram) -> Tables:
+def sweep_tables(found: Diagram, present: float = math.nan, alone: Diagram | None = None) -> Tables:
     """Return the points of a bifurcation diagram, value by value and in the order of time, and how each run ended.
+
+    `present` is the chosen value of the parameter, and `alone` the points of this value if the diagram has none of it.
 
     Columns
     -------
-    points: value, the coordinate by name (of an angle, without full turns);
+    points: value, the coordinate by name (of an angle, without full turns), chosen;
     values: value, points (how many), ended, doubt (“examined”, “small errors grow”, “in doubt”, or empty where a run is
-        not examined).
+        not examined);
+    chosen: value, points (how many), if it is within the range.
     """
+    marked = np.empty(0) if alone is None else alone.points_at(present)
 
     def points() -> Columns:
-        value, coordinate = found.sorted_points()
+        x, y = found.sorted_points()
+        row = int(np.searchsorted(x, present))
+        value = np.insert(x, np.full(len(marked), row), present)
+        coordinate = np.insert(y, np.full(len(marked), row), marked)
         inputs = found.inputs
         turns = " mod 2*pi" if inputs.column in angles(inputs.problem.declaration) else ""
-        return {"value": value, **by_name([inputs.coordinate + turns], [coordinate])}
+        named = by_name([inputs.coordinate + turns], [coordinate])
+        return {"value": value, **named, "chosen": (value == present).astype(int)}
+
+    def chosen() -> Columns:
+        count = np.count_nonzero(points()["chosen"])
+        return {"value": np.array([present]), "points": np.array([count])}
 
     def values() -> Columns:
         there = found.done
@@ -139,7 +152,8 @@ def sweep_tables(found: Diagram) -> Tables:
         doubt = np.where(np.isin(value, found.warned), "in doubt", growing)
         return {"value": value, "points": found.counts[there], "ended": np.array(ended), "doubt": doubt}
 
-    return {"points": points, "values": values}
+    there = found.inputs.low <= present <= found.inputs.high
+    return {"points": points, "values": values, **({"chosen": chosen} if there else {})}
 
 
 def _ended(code: int, whole: bool) -> str:

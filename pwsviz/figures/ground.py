@@ -67,8 +67,11 @@ MEANINGS = {
 """What entries of the legend mean, for captions."""
 
 
-ADDITIONAL = ("f/|f|", "ψ = const.", OWN_LEVEL, ATTRACTS, REPELS)
-"""Entries of the legend that a first look can do without: on the page they are to be unfolded."""
+ADDITIONAL = ("f/|f|", "ψ = const.", OWN_LEVEL)
+"""Entries of the legend that a first look can do without: on the page they are to be unfolded.
+
+Whether a surface attracts or repels decides what runs do there, and is rare: that is always told where it is seen.
+"""
 
 
 class Ground:
@@ -113,12 +116,12 @@ class Ground:
         self._tint = ""  # name of the regions that are tinted
         self._arrow_lines = field
         head = plot.add_glyph(unseen(("x", "y")), Scatter(marker="triangle", angle=-math.pi / 2, size=7, **HEAD))
-        self._level_keys = {1: _keys(plot, **LEVEL_SET), 2: _keys(plot, **OWN_LEVEL_SET)}
+        self._level_keys = {3: _keys(plot, **LEVEL_SET), 4: _keys(plot, **OWN_LEVEL_SET)}  # by entry
         usual_keys, own_keys = (list(keys.values()) for keys in self._level_keys.values())
         self.legend: list[tuple[str, Any]] = [
-            ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("f/|f|", [*field, head]),
-            ("ψ = const.", usual_keys), (OWN_LEVEL, own_keys),
+            ("S: g = 0", line), ("g < 0", tint), ("no law", bare),
             (ATTRACTS, [attracting, line]), (REPELS, [repelling, line]),
+            ("f/|f|", [*field, head]), ("ψ = const.", usual_keys), (OWN_LEVEL, own_keys),
         ]  # fmt: skip
         self.additional = sum(name in ADDITIONAL for name, _ in self.legend)  # they are the last ones
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
@@ -212,7 +215,7 @@ class Ground:
         self._bare_entry.label = value(name)
         sliding = ({0: backdrop.attracting}, {0: backdrop.repelling})
         for k, (entry, part) in enumerate(
-            zip(self._line_entries, (backdrop.arrows, backdrop.levels, self._own, *sliding), strict=True)
+            zip(self._line_entries, (*sliding, backdrop.arrows, backdrop.levels, self._own), strict=True)
         ):
             if backdrop.formulas["moving"]:
                 there = [side for side, line in part.items() if np.isfinite(line).any()]
@@ -222,7 +225,7 @@ class Ground:
                 there = [side for side, line in part.items() if any_seen(line, seen)]
             entry.visible = bool(there)
             if there and k in self._level_keys:
-                _colour(self._level_keys[k], there, DOTS if k == 2 else ())
+                _colour(self._level_keys[k], there, DOTS if part is self._own else ())
 
     def keep_clear(self) -> None:
         """Let the browser place the labels anew: there are other marks."""

@@ -83,7 +83,10 @@ A dot within a mark would be lost in a legend, where marks are small.
 
 
 def star_labels(starts: Sequence[tuple[float, float]], view: Window | None) -> tuple[list[str], list[str]]:
-    """Return the number in the star of each start, and beside it: of stars that cover one another, all numbers at once.
+    """Return the number in the star of each start, and above it: of stars that cover one another, all numbers at once.
+
+    These are in the order of the stars, from left to right or, if they lie one over the other, from the top down, and
+    stand above the middle one, or the uppermost.
 
     Parameters
     ----------
@@ -92,14 +95,16 @@ def star_labels(starts: Sequence[tuple[float, float]], view: Window | None) -> t
     view : Window or None
         What is seen, as far as it is known.
     """
-    inside, beside = [str(k + 1) for k in range(len(starts))], [""] * len(starts)
+    inside, above = [str(k + 1) for k in range(len(starts))], [""] * len(starts)
     near = 0.0 if view is None else NEAR_STARS * view.longest
     for crowd in _crowds(np.array(starts, dtype=float).reshape(-1, 2), near):
-        rightmost = max(crowd, key=lambda k: starts[k][0])
-        beside[rightmost] = ", ".join(str(k + 1) for k in crowd)
+        across, up = np.ptp([starts[k] for k in crowd], axis=0)
+        row = bool(across >= up)
+        ordered = sorted(crowd, key=lambda k: starts[k][0] if row else -starts[k][1])
+        above[ordered[(len(crowd) - 1) // 2 if row else 0]] = ", ".join(str(k + 1) for k in ordered)
         for k in crowd:
             inside[k] = ""
-    return inside, beside
+    return inside, above
 
 
 def _crowds(places: Floats, near: float) -> list[list[int]]:

@@ -59,6 +59,12 @@ from pwsviz.geometry.window import Window
 from pwsviz.results.results import Pictures
 from pwsviz.text.math_names import variable_name
 
+STAR_SIZE = {True: 26, False: 21}
+"""Diameter in pixels of the star of the selected start, and of others."""
+
+CROWDED_STAR_SIZE = {True: 15, False: 11}
+"""The same of stars that would cover one another: small, they lie side by side."""
+
 STAR, PALE_STAR = "#E69F00", "#F7DDA2"
 """Fill of the star of the selected start, and of others: a black number is legible on either."""
 
@@ -86,6 +92,11 @@ STEP_SIZE = 4.5
 
 POINTED_SIZE = 19
 """Diameter in pixels of the ring around the crossing under the pointer: a mark, and some room."""
+
+
+def _star_sizes(numbers: Sequence[str], chosen: Sequence[bool]) -> list[int]:
+    """Return the sizes of stars, of which those that would cover one another have no number inside."""
+    return [(STAR_SIZE if number else CROWDED_STAR_SIZE)[it] for number, it in zip(numbers, chosen, strict=True)]
 
 
 def _ignore(*_: Any) -> None:
@@ -239,13 +250,13 @@ class PortraitView:
         letters: dict[str, Any] = {"text_color": "black", "text_font_size": "10px", "text_font_style": "bold"}
         centred: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", "y_offset": 1}
         plot.add_glyph(self.starts, Text(text="number", **letters, **centred))
-        beside: dict[str, Any] = {"text_align": "left", "text_baseline": "bottom", "x_offset": 9, "y_offset": -5}
-        plot.add_glyph(self.starts, Text(text="crowd", **{**letters, "text_color": AMBER}, **beside))
+        above: dict[str, Any] = {"text_align": "center", "text_baseline": "bottom", "y_offset": -9}
+        ground: dict[str, Any] = {"background_fill_color": GROUND, "background_fill_alpha": 0.8, "padding": 1}
+        named: dict[str, Any] = {"text_font_size": "12px", "text_color": AMBER}
+        plot.add_glyph(self.starts, Text(text="crowd", **{**letters, **named}, **above, **ground))
         self.alongside = unseen(("x", "y", "size", "label", "align", "baseline", "dx", "dy"))
         look = {"size": "size", "fill_color": PALE_STAR, "line_color": AMBER, "line_width": 1.2}
         plot.add_glyph(self.alongside, Scatter(marker="circle", **look))
-        named: dict[str, Any] = {"text_font_size": "12px", "text_color": AMBER}
-        ground: dict[str, Any] = {"background_fill_color": GROUND, "background_fill_alpha": 0.8, "padding": 1}
         place: dict[str, Any] = {"text_align": "align", "text_baseline": "baseline", "x_offset": "dx", "y_offset": "dy"}
         plot.add_glyph(self.alongside, Text(text="label", **{**letters, **named}, **place, **ground))
         self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size", "alpha")})
@@ -394,7 +405,7 @@ class PortraitView:
             y=[float(y) for _, y in starts],
             number=numbers,
             crowd=crowds,
-            size=[26 if it else 21 for it in chosen],
+            size=_star_sizes(numbers, chosen),
             fill=[STAR if it else PALE_STAR for it in chosen],
             chosen=chosen,
             heard=[self._heard] * len(starts),  # sent after each gesture: the browser may have moved them by itself
@@ -411,7 +422,8 @@ class PortraitView:
         x, y = self.starts.data["x"], self.starts.data["y"]
         numbers, crowds = star_labels(list(zip(x, y, strict=True)), self._visible or self.frame)
         if self._pictures is not None and crowds != list(self.starts.data["crowd"]):
-            self.starts.data = {**self.starts.data, "number": numbers, "crowd": crowds}
+            sizes = _star_sizes(numbers, self.starts.data["chosen"])
+            self.starts.data = {**self.starts.data, "number": numbers, "crowd": crowds, "size": sizes}
 
     def _fit_curves(self, pictures: Pictures) -> None:
         """Give the curves the widths and strokes that suit the view, without sending the curves."""

@@ -30,11 +30,11 @@ DOT = 10
 def run_line(summary: Summary, warned: bool = False) -> str:
     """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, max |Δψ| = 8.2e-16”.
 
-    If `warned`, or if the run ends early, they refer to the words below, which a projector may not show.
+    If `warned`, or if the run ends early, they refer to the words above, which a projector may show in part.
     """
     figures = f"{plural(summary.steps, 'step')}, {summary.course}"
     if summary.status is not core.Status.COMPLETED:
-        figures += f", ends at t = {summary.t_end:.4g} (see below)"
+        figures += f", ends at t = {summary.t_end:.4g} (see above)"
     if summary.seconds >= TIMED:
         figures += f", {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
@@ -45,10 +45,16 @@ def run_line(summary: Summary, warned: bool = False) -> str:
 
 
 def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str:
-    """Return a line for each run and, for each reason to stop, the message of the first run that stopped for it.
+    """Return a line for each run, with its figures."""
+    said = [*warnings, *[""] * len(summaries)]
+    return "".join(run_line(each, bool(words)) for each, words in zip(summaries, said, strict=False))
 
-    The messages name their integrators and come in the order of the lines; the warning of each run follows, if any.
-    A sentence that several of them end with, such as an advice, stands once.
+
+def run_warnings(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str:
+    """Return, for each reason to stop, the message of the first run that stopped for it, and the warning of each run.
+
+    The messages name their integrators and come in the order of the runs. A sentence that several of them end with,
+    such as an advice, stands once.
     """
     stopped: dict[str, list[Summary]] = {}
     for each in summaries:
@@ -56,10 +62,8 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
             reason = each.message.partition(": ")[2]  # after the time and the state
             stopped.setdefault(reason, []).append(each)
     reasons = [_reason(*group) for group in stopped.values()]
-    said = [*warnings, *[""] * len(summaries)]
-    lines = [run_line(each, bool(words)) for each, words in zip(summaries, said, strict=False)]
-    warned = [f"{each.method}: {words}" for each, words in zip(summaries, said, strict=False) if words]
-    return "".join(lines) + "".join(as_text(words, "stopped") for words in _said_once([*reasons, *warned]))
+    warned = [f"{each.method}: {words}" for each, words in zip(summaries, warnings, strict=False) if words]
+    return "".join(as_text(words, "stopped") for words in _said_once([*reasons, *warned]))
 
 
 def _said_once(paragraphs: Sequence[str]) -> Iterator[str]:

@@ -23,7 +23,7 @@ from pwsviz.figures.portrait_text import (
     which_start,
 )
 from pwsviz.figures.style import describe
-from pwsviz.figures.summaries import run_lines, run_words
+from pwsviz.figures.summaries import run_lines, run_warnings, run_words
 from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.plane import Plane
 from pwsviz.geometry.projection import PLANE
@@ -254,14 +254,15 @@ class PortraitPanel(pn.viewable.Viewer):
             self._tell(self.shown)
 
     def _tell(self, shown: Pictures) -> None:
-        """Write the figures of the selected runs below the portrait, and the warnings if these are known."""
+        """Write the warnings, if these are known, below the portrait, where they are in sight, and then the figures."""
         warnings = self._warnings_of(shown)
         words = "".join(
             [
+                run_warnings(shown.summaries, warnings),
+                as_text(parted_words(shown), "stopped"),
                 as_text(figures := figures_of(shown, warnings), "stopped" if DOUBTS.search(figures) else "which"),
                 as_text(perturbed_words(shown.inputs.selected[0])),
                 run_lines(shown.summaries, warnings),
-                as_text(parted_words(shown), "stopped"),
             ]
         )
         beside = WARNS in words or len(shown.summaries) <= FEW

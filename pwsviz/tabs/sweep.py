@@ -176,8 +176,12 @@ class SweepTab(LongTab):
         self.view.cloud.fit()
 
     def tables(self) -> Tables:
-        """Return a row for each point, and a row for each value."""
-        return sweep_tables(self.outcome) if self.outcome is not None else {}
+        """Return a row for each point, a row for each value, and the chosen value with its points among the others."""
+        found = self.outcome
+        if found is None:
+            return {}
+        present = self.scene.values.get(found.inputs.parameter, math.nan)
+        return sweep_tables(found, present, self._chosen_of(found, present))
 
     def heading(self, outcome: Diagram) -> str:
         """Return what diagram it is."""

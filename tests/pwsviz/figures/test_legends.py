@@ -9,6 +9,7 @@ import core
 from pwsviz.figures.colours import SIDES
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.cost import CostView
+from pwsviz.figures.ground import ATTRACTS, REPELS
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.linking import link_crossings, link_portrait
 from pwsviz.figures.order import OrderView, state_rows, studied
@@ -44,9 +45,16 @@ def test_entries_of_a_legend_reach_no_figure_and_no_other_legend(plot):
             assert not [model for model in reached if isinstance(model, Plot | Legend | LegendItem)], item.label
 
 
+def test_what_a_surface_does_is_told_before_the_field_and_never_folded():
+    ground = PortraitView(*[print] * 5).ground
+    names = [name for name, _ in ground.legend]
+    assert {ATTRACTS, REPELS}.isdisjoint(names[-ground.additional :])
+    assert names.index(REPELS) < names.index("f/|f|")
+
+
 def test_the_key_of_a_part_of_the_surface_is_painted_as_the_part_is():
     ground = PortraitView(*[print] * 5).ground
-    *_, attracts, repels = ground._line_entries
+    attracts, repels, *_ = ground._line_entries
     for entry in (attracts, repels):
         band, surface = entry.renderers
         assert band.glyph.line_alpha == 1.0, "its colour is not mixed with that of the ground"
@@ -95,11 +103,11 @@ def test_the_key_of_level_sets_is_half_in_the_colour_of_each_side_on_which_they_
     half = LEGEND_GLYPH // 2
     for window, sides in ((Window(-2, 2, -2, 2), [-1, 1]), (Window(-0.2, 0.2, -0.2, 0.2), [-1])):
         view.show_backdrop(Results().backdrop(problem, window, levels))
-        keys = [renderer.glyph for renderer in view.ground._line_entries[1].renderers]
+        keys = [renderer.glyph for renderer in view.ground._line_entries[3].renderers]
         assert [key.line_color for key in keys] == list(SIDES.values())
         dashes = [[half, half]] * 2 if len(sides) == 2 else [[], [0, LEGEND_GLYPH]]
         assert [key.line_dash for key in keys] == dashes, "a dash of no length is not seen"
-        own = view.ground._line_entries[2]
+        own = view.ground._line_entries[4]
         assert own.visible == (len(sides) == 2), "in the small window the trajectory hides its level set"
         dotted = [renderer.glyph.line_dash for renderer in own.renderers]
         assert dotted == [[0, LEGEND_GLYPH], [2, 3]], "that where g < 0 is hidden, in either window"

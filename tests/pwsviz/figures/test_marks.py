@@ -73,12 +73,14 @@ def test_each_of_six_sliding_runs_has_its_end_on_the_surface():
     assert max(map(abs, ends["y"])) < 1e-9
 
 
-def test_stars_that_cover_one_another_have_their_numbers_beside_them():
+def test_stars_that_cover_one_another_have_their_numbers_above_them_in_the_order_of_the_stars():
     view = Window(0.0, 35.0, 0.0, 20.0)  # a star covers what is within 1
     row = [(1.0, 5.0), (9.0, 5.0), (1.8, 5.0), (2.6, 5.0), (9.0, 6.5)]
-    inside, beside = star_labels(row, view)  # the first and the fourth hang together by the third
+    inside, above = star_labels(row, view)  # the first and the fourth hang together by the third
     assert inside == ["", "2", "", "", "5"]
-    assert beside == ["", "", "", "1, 3, 4", ""]
+    assert above == ["", "", "1, 3, 4", "", ""]
+    assert star_labels([(3.0, 5.0), (1.6, 5.0), (2.3, 5.0)], view)[1] == ["", "", "2, 3, 1"], "from left to right"
+    assert star_labels([(3.0, 5.0), (3.0, 5.6)], view)[1] == ["", "2, 1"], "from the top down"
     assert star_labels(row, view.scaled(0.1)) == (["1", "2", "3", "4", "5"], [""] * 5)
     assert star_labels(row, None) == (["1", "2", "3", "4", "5"], [""] * 5)
     assert star_labels([(2.0, 3.0)] * 2, view) == (["", ""], ["1, 2", ""])

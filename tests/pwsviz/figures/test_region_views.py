@@ -85,7 +85,7 @@ def test_the_legend_of_the_portrait_names_what_is_tinted_and_nothing_if_nothing_
     assert tint.visible == bool(ground.minus_outer)
     named = shade_names(system).get(-1, "")
     assert tint.label == value(named if ground.minus_outer else f"{named}{ELSEWHEN}")
-    for entry, part in zip(view.ground._line_entries, (ground.arrows, ground.levels), strict=False):
+    for entry, part in zip(view.ground._line_entries[2:], (ground.arrows, ground.levels), strict=False):
         assert entry.visible == any(np.isfinite(lines).any() for lines in part.values())
 
 

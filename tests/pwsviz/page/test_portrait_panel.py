@@ -94,6 +94,7 @@ def test_a_run_that_reaches_the_end_by_too_long_steps_is_warned_of_below_the_por
     words = explorer.portrait_panel.status.object
     assert "dmm2: The step of 0.12 at t = " in words
     assert "take a smaller τ" in words
+    assert words.index("The step of 0.12") < words.index("crossings"), "before all figures, where it is in sight"
     explorer.scene.place((-0.9, -1.1))
     explorer.scene.selected = 0
     explorer.settle(60)

@@ -5,6 +5,7 @@ import pytest
 
 import core
 from pwsviz.export.caption import caption
+from pwsviz.export.files import csv_bytes
 from pwsviz.export.tables import sweep_tables
 from pwsviz.figures.point_cloud import FEW, FINE
 from pwsviz.figures.section_prospects import prospects
@@ -142,6 +143,25 @@ def test_tables_have_a_row_for_each_point_and_each_value():
     assert np.array_equal(values["points"], found.counts)
     assert set(values["ended"]) <= {"all points found", *(status.reason for status in core.Status)}, "in words"
     assert sweep_tables(found).keys() == {"points", "values"}
+    page.close()
+
+
+def test_the_chosen_value_and_its_points_are_in_the_tables_and_explained():
+    page = opened()
+    tab = page.view
+    tab._go(1.23456789)
+    assert page.settle(60)
+    points, chosen = (tab.tables()[name]() for name in ("points", "chosen"))
+    marked = points["chosen"] == 1
+    assert points["y"][marked].tolist() == list(tab.view.chosen.data["y"])
+    assert set(points["value"][marked]) == {1.235}
+    assert (np.diff(points["value"]) >= 0).all(), "among the others"
+    assert (chosen["value"].tolist(), chosen["points"].tolist()) == ([1.235], [marked.sum()])
+    assert "chosen: 1 at the chosen value of the parameter" in csv_bytes(points).decode()
+    present = float(tab.outcome.values[7])
+    of_the_diagram = sweep_tables(tab.outcome, present)["points"]()
+    assert of_the_diagram["chosen"].sum() == tab.outcome.counts[7], "no point is there twice"
+    assert "chosen" not in sweep_tables(tab.outcome, 100.0), "it lies outside"
     page.close()
 
 

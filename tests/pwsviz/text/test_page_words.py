@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import core
-from pwsviz.figures.summaries import method_notes, run_lines
+from pwsviz.figures.summaries import method_notes, run_lines, run_warnings
 from pwsviz.results.run_summary import Summary
 from pwsviz.scene.names import LABELS, short_name
 from pwsviz.scene.presets import PRESETS
@@ -37,23 +37,29 @@ def test_a_run_in_one_line():
 def test_runs_that_stopped_say_why_once():
     stopped = summary(status=core.Status.ESCAPED, message="t = 1: ran away <b>")
     later = summary(method="rk2", status=core.Status.ESCAPED, message="t = 1.1: ran away <b>", t_end=1.1)
-    lines = run_lines([stopped, later, summary(message="fine")])
+    lines = run_warnings([stopped, later, summary(message="fine")])
     assert lines.count("ran away &lt;b&gt;") == 1
     assert "dmm2: t = 1:" in lines
     assert "Likewise rk2 at t = 1.1." in lines
     touched = summary(method="rk4", status=core.Status.GRAZING, message="touched")
-    assert run_lines([touched, stopped]).index("touched") < run_lines([touched, stopped]).index("ran away")
+    assert run_warnings([touched, stopped]).index("touched") < run_warnings([touched, stopped]).index("ran away")
     assert "fine" not in lines
     other = summary(method="rk2", status=core.Status.ESCAPED, message="t = 1.1: blew up", t_end=1.1)
-    lines = run_lines([stopped, other])
+    lines = run_warnings([stopped, other])
     assert "Likewise" not in lines, "of one status, but not for one reason"
     assert "rk2: t = 1.1: blew up" in lines
+
+
+def test_a_run_that_stops_early_refers_to_the_words_above_its_figures():
+    stopped = summary(status=core.Status.ESCAPED, message="t = 1: ran away", t_end=1.0)
+    assert "ends at t = 1 (see above)" in run_lines([stopped])
+    assert "ran away" not in run_lines([stopped]), "the warnings come before all figures"
 
 
 def test_what_several_messages_end_with_is_said_once():
     runs = [summary(), summary(method="rk2"), summary(method="rk4")]
     said = ["From t = 9 on, errors grow. Averages may be right.", "From t = 8 on, errors grow. Averages may be right."]
-    lines = run_lines(runs, [*said, "From t = 8 on, errors grow. Take a smaller τ."])
+    lines = run_warnings(runs, [*said, "From t = 8 on, errors grow. Take a smaller τ."])
     assert lines.count("Averages may be right.") == 1
     assert "rk2: From t = 8 on, errors grow." in lines
     assert "rk4: From t = 8 on, errors grow." in lines

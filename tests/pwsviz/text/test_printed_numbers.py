@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import core
-from pwsviz.figures.summaries import run_lines
+from pwsviz.figures.summaries import run_warnings
 from pwsviz.results.run_summary import Summary
 from pwsviz.scene.validation import value_of
 from pwsviz.text.numbers import printed
@@ -46,7 +46,7 @@ def test_paragraphs_tables_and_messages_of_runs_print_their_numbers() -> None:
         method="dmm2", steps=1, met=core.Tally(), seconds=1.0, worst_error=2e-9,
         status=core.Status.GRAZING, message=message,
     )  # fmt: skip
-    for text in (as_text("from -3 to 1e-3"), table_markup(table), run_lines([stopped])):
+    for text in (as_text("from -3 to 1e-3"), table_markup(table), run_warnings([stopped])):
         assert "−" in text
         assert "×10" in text or "10⁻" in text
         assert not re.search(r"\de-|[ (]-\d", text)
