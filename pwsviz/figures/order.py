@@ -37,6 +37,9 @@ times: an opacity."""
 SCATTERED = 0.05
 """Standard error of a slope from which on it is told, as the second digit of the slope then means nothing."""
 
+OFF = 0.3
+"""Root mean square of the residuals of a fit, in log error, from which on no line is drawn: points 1.3 times off it."""
+
 UNKNOWN = "–"
 """In place of a slope that is not known."""
 
@@ -83,6 +86,8 @@ class Row:
     filling: float = FILLINGS[0]
     spread: float = 0.0
     """Standard error of the slope, of the residuals of the fit."""
+    residual: float = 0.0
+    """Root mean square of these residuals, of log error."""
     at_round_off: bool = False
     """Whether no error exceeds round-off."""
     crossing: int = 0
@@ -92,6 +97,11 @@ class Row:
     def label(self) -> str:
         """Name and fitted slope, for the legend."""
         return f"{self.short}: {self.slope_text}"
+
+    @property
+    def is_off(self) -> bool:
+        """Whether the errors do not follow the fitted power law."""
+        return bool(np.isfinite(self.slope)) and self.residual > OFF
 
     @property
     def slope_text(self) -> str:
@@ -188,8 +198,8 @@ def state_rows(study: core.OrderStudy) -> list[Row]:
     fitted = study.state_error, study.state_slope, study.window
     above, below, round_off = study.fit_above.tolist(), study.fit_below, study.at_round_off.tolist()
     return [
-        Row(*names[k], error, slope, window, above[k], below, filling_after(k), spread, round_off[k], numbers[k])
-        for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
+        Row(*names[k], error, slope, window, above[k], below, filling_after(k), *off, round_off[k], numbers[k])
+        for k, (error, slope, window, off) in enumerate(_fits(study.taus, *fitted))
     ]
 
 
@@ -200,27 +210,31 @@ def time_rows(study: core.OrderStudy) -> list[Row]:
     above, below, round_off = study.time_fit_above.tolist(), study.time_fit_below, study.time_at_round_off.tolist()
     full, numbers = [filling_after(k + 1) for k in range(len(names))], study.crossings
     return [
-        Row(names[k], names[k], error, slope, window, above[k], below, full[k], spread, round_off[k], numbers[k])
-        for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
+        Row(names[k], names[k], error, slope, window, above[k], below, full[k], *off, round_off[k], numbers[k])
+        for k, (error, slope, window, off) in enumerate(_fits(study.taus, *fitted))
     ]
 
 
 def _fits(
     taus: Floats, errors: Floats, slopes: Floats, windows: Floats
-) -> Iterator[tuple[Floats, float, tuple[float, float], float]]:
-    """Yield error, slope and window of each curve, and the standard error of the slope."""
+) -> Iterator[tuple[Floats, float, tuple[float, float], tuple[float, float]]]:
+    """Yield error, slope and window of each curve, the standard error of the slope and the size of the residuals."""
     for error, slope, (low, high) in zip(errors, slopes, windows, strict=True):
-        yield error, float(slope), (float(low), float(high)), _standard_error(taus, error, float(slope), low, high)
+        yield error, float(slope), (float(low), float(high)), _scatter(taus, error, float(slope), low, high)
 
 
-def _standard_error(taus: Floats, error: Floats, slope: float, low: float, high: float) -> float:
-    """Return the standard error of a least-squares slope, of the residuals; 0 where they are too few."""
+def _scatter(taus: Floats, error: Floats, slope: float, low: float, high: float) -> tuple[float, float]:
+    """Return the standard error of a least-squares slope and the root mean square of the residuals.
+
+    Both are 0 where points are too few.
+    """
     used = _within(taus, error, low, high)
     x, y = np.log(taus[used]), np.log(error[used])
     if len(x) < 3 or not np.isfinite(slope):
-        return 0.0
+        return 0.0, 0.0
     x, y = x - x.mean(), y - y.mean()
-    return float(np.sqrt(((y - slope * x) ** 2).sum() / (len(x) - 2) / (x**2).sum()))
+    squares = ((y - slope * x) ** 2).sum()
+    return float(np.sqrt(squares / (len(x) - 2) / (x**2).sum())), float(np.sqrt(squares / len(x)))
 
 
 def _within(taus: Floats, error: Floats, low: float, high: float) -> NDArray[np.bool_]:
@@ -431,9 +445,9 @@ class _Drawn:
 
 
 def fitted_line(taus: Floats, row: Row) -> tuple[Floats, Floats] | None:
-    """Return the fitted power law (τ, error) at the ends of its fit; None if there is no fit."""
+    """Return the fitted power law (τ, error) at the ends of its fit; None if there is none that the errors follow."""
     used = _within(taus, row.error, *row.window)
-    if not np.isfinite(row.slope) or used.sum() < 2:
+    if not np.isfinite(row.slope) or row.is_off or used.sum() < 2:
         return None
     log_constant = np.mean(np.log(row.error[used]) - row.slope * np.log(taus[used]))
     ends = np.array([taus[used].min(), taus[used].max()])

@@ -211,6 +211,8 @@ def fit_rule(shown: Sequence[Studied]) -> str:
         return ". ".join([*each, *_not_drawn(drawn, lower_end(shown))])
     fitted = [f"Slopes are least-squares fits to errors {between}", *_reach(shown)]
     fitted += [_IRREGULAR] * any("±" in row.slope_text for _, row in drawn)
+    off = [name for name, row in drawn if row.is_off]
+    fitted += [f"No line is drawn {listed(off)}, as the errors scatter about it"] * bool(off)
     reasons = [(names, why + " between these limits" * (why == _TOO_FEW)) for why, names in without.items()]
     unfitted = [f"No slope is fitted {listed(names)}, as {why}" for names, why in reasons]
     return ". ".join([*fitted, *unfitted, *_not_drawn(drawn, lower_end(shown))])

@@ -132,7 +132,8 @@ class OrderTab(LongTab):
     def _is_unusual(self, outcome: Studies) -> bool:
         """Whether there is a reason to read how the study was made."""
         other = [one for one in studied(outcome, self._rows) if not one.is_exact]
-        return self._is_early(outcome) or not all_fitted(other)
+        off = any(row.is_off for one in other for row in one.rows)
+        return self._is_early(outcome) or off or not all_fitted(other)
 
     @staticmethod
     def _is_early(outcome: Studies) -> bool:
@@ -173,8 +174,9 @@ class OrderTab(LongTab):
     def meaning(self, outcome: Studies) -> str:
         """Return what the broad lines are, and the slopes that no legend tells, for captions."""
         shown = studied(outcome, self._rows)
-        fitted = any(np.isfinite(row.slope) for one in shown for row in one.rows)
-        return " ".join(filter(None, [FITS * fitted, all_slopes_text(shown) if fitted else ""]))
+        rows = [row for one in shown for row in one.rows if np.isfinite(row.slope)]
+        drawn = any(not row.is_off for row in rows)
+        return " ".join(filter(None, [FITS * drawn, all_slopes_text(shown) if rows else ""]))
 
     def key(self, outcome: Studies) -> str:
         """Return what the broad lines are, and when states are compared."""

@@ -25,7 +25,7 @@ from pwsviz.figures.order import (
     time_rows,
 )
 from pwsviz.figures.style import BELOW_RANGE, FAINT
-from pwsviz.figures.summaries import slopes_text, study_text
+from pwsviz.figures.summaries import fit_rule, slopes_text, study_text
 from pwsviz.results.requests import study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
@@ -270,6 +270,15 @@ def test_the_slope_of_scattered_errors_has_its_standard_error_as_statistics_give
         used = (taus >= row.window[0] * (1 - 1e-9)) & (taus <= row.window[1] * (1 + 1e-9))
         fit = linregress(np.log(taus[used]), np.log(row.error[used]))
         assert (row.slope, row.spread) == pytest.approx((fit.slope, fit.stderr), rel=1e-6)
+
+
+def test_no_line_is_drawn_through_errors_that_scatter_about_it_and_that_is_said():
+    taus = 0.1 * 2.0 ** -np.arange(0, 8, 0.5)
+    rows = state_rows(core.order_study("harmonic_oscillator", taus, transition="none"))
+    assert [row.is_off for row in rows] == [False, True, True, True]
+    assert [fitted_line(taus, row) is None for row in rows] == [False, True, True, True]
+    words = fit_rule([Studied("dmm2", 2, taus, rows, "exact")])
+    assert "No line is drawn after 10 crossings, after 20 crossings and after 30 crossings, as the errors scat" in words
 
 
 @pytest.mark.parametrize("slope", [1, 2, 6])
