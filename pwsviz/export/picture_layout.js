@@ -343,7 +343,7 @@ const reach_of = (svg, frame) => {
 }
 
 const SHAPE = 0.5  // height of a frame by the width of the picture, where neither is bound to the other
-const NARROW = 600, TALLER = 0.64  // pixels up to which a picture is of one column, and the same of its frame
+export const NARROW = 600, TALLER = 0.64  // pixels up to which a picture is of one column, and the same of its frame
 const SHAPES = 1  // the same of several frames together
 
 const LOWEST = 60  // pixels of a frame, however many there are

@@ -3,10 +3,12 @@
 // vectors.
 
 import { choose_typeface, face, typeset } from "./picture_letters.js"
-import { drawn, explained_levels, GAP, INK, is_of_drawing, PAPER, paragraph, SMALL, TEXT, thinned } from "./picture_layout.js"
+import { drawn, explained_levels, GAP, INK, is_of_drawing, NARROW, PAPER, paragraph, SMALL, TEXT, thinned } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
 const LEADING = 1.35  // of the lines of the caption, in heights of its text
+const DENSE = 0.85, CLOSE = 1.2, FEWEST = 7, LEGIBLE = 7  // a caption of so many lines and more in a picture of one column is set
+// smaller and closer, in no less than so many points
 const INCH = 25.4  // mm
 const SLACK = 4  // pixels by which a layout may be higher than the one before it, which tells what is around the frame
 const LEAST = 1.2, PART = 0.62  // of the picture's width, or of the greatest height if that is less: what frames may take
@@ -37,8 +39,15 @@ const node = (name, attributes, words) => {
   return made
 }
 
-const STEP = LEADING * SMALL
-const below = lines => lines.length > 0 ? 2 * GAP + STEP * lines.length : GAP / 2  // what a caption takes below figures
+const below = ({ lines, step }) => lines.length > 0 ? 2 * GAP + step * lines.length : GAP / 2  // what a caption takes below figures
+
+// The lines of a caption, with the size of their text and their distance.
+const set_caption = (words, width, points) => {
+  const usual = { lines: paragraph(words, width - 2 * GAP, SMALL), size: SMALL, step: LEADING * SMALL }
+  if (width >= NARROW || usual.lines.length < FEWEST) return usual
+  const size = Math.min(SMALL, Math.max(DENSE * SMALL, LEGIBLE / points * TEXT))
+  return { lines: paragraph(words, width - 2 * GAP, size), size, step: CLOSE * size }
+}
 
 // Figures of a width in pixels, with the lines of the caption below them. The caption that was asked for is always there: where
 // it leaves the figures too little of the greatest height, the picture is higher.
@@ -47,9 +56,9 @@ const fitted = async (views, wish, width) => {
   const keys = views.map(view => explained_levels(view, width, captioned))
   const [caption, ...last] = (wish.captions[wish.caption] ?? "").split("\n")
   const words = [caption, caption && views.some(thinned) ? THINNED : "", ...keys, ...last].filter(Boolean).join(" ")
-  const lines = paragraph(words, width - 2 * GAP, SMALL), tallest = width / wish.millimetres * wish.tallest
+  const set = set_caption(words, width, wish.points), tallest = width / wish.millimetres * wish.tallest
   const least = Math.min(LEAST * width, PART * tallest)
-  return { lines, pictures: await drawn(views, width, { printed, shades, captioned }, tallest - below(lines) - SLACK, least) }
+  return { set, pictures: await drawn(views, width, { printed, shades, captioned }, tallest - below(set) - SLACK, least) }
 }
 
 // Of the curves of runs, which alone have round joins, the dashed ones lie on the solid one painted before them: without
@@ -86,9 +95,9 @@ const composed = async (views, wish) => {
   const faces = Object.entries(await load_font()).map(([style, font]) =>
     `@font-face { font-family: "${face.family}"; font-style: ${style}; src: url(data:font/ttf;base64,${font}) }`)
   const width = wish.millimetres / INCH * 72 / wish.points * TEXT
-  const { pictures, lines } = await fitted(views, wish, width)
+  const { pictures, set } = await fitted(views, wish, width)
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
-  const height = picture.height + below(lines)
+  const height = picture.height + below(set)
   const svg = node("svg", {
     xmlns: "http://www.w3.org/2000/svg", width: `${wish.millimetres}mm`,
     height: `${wish.millimetres * height / picture.width}mm`, viewBox: `0 0 ${picture.width} ${height}`,
@@ -107,13 +116,13 @@ const composed = async (views, wish) => {
     svg.append(part)
     top += one.height
   }
-  for (const [k, line] of lines.entries()) {
-    const y = picture.height + GAP + STEP * (k + 0.8)
-    const text = node("text", { x: GAP, y, fill: ink, "font-family": face.family, "font-size": `${SMALL}px` }, line)
-    typeset(text, SMALL)
+  for (const [k, line] of set.lines.entries()) {
+    const y = picture.height + GAP + set.step * (k + 0.8)
+    const text = node("text", { x: GAP, y, fill: ink, "font-family": face.family, "font-size": `${set.size}px` }, line)
+    typeset(text, set.size)
     svg.append(text)
   }
-  return { svg, width: picture.width, height, described: below(lines) / height }
+  return { svg, width: picture.width, height, described: below(set) / height }
 }
 
 // Colours of the page behind a figure, and of its text.

@@ -34,7 +34,7 @@ from pwsviz.text.words import JUMPS_MARKED, as_text, listed, perturbation
 
 __all__ = [
     "SUMMARY", "bodies_text", "figures_of", "law_line", "law_markup", "parted_words", "perturbed_words",
-    "portrait_note", "portrait_text", "run_line",
+    "portrait_note", "portrait_text", "run_line", "scale_note",
 ]  # fmt: skip
 
 FIELD = "the field"
@@ -284,6 +284,17 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes, caption: bool = Fals
     if system.dimension == PLANE and psi_names_time(system):
         sentences.append("ψ depends on time, so its level sets move and are not drawn.")
     return " ".join(sentences)
+
+
+def scale_note(system: core.PiecewiseSystem, plane: Plane) -> str:
+    """Return what an axis like “v / 10” shows, and why; empty where both variables are drawn as they are."""
+    names = [variable_name(system.variables[k]) for k in plane.axes]
+    for name, other, unit in zip(names, reversed(names), plane.units, strict=True):
+        if unit != 1.0:
+            how = f"divided by {unit:g}" if unit > 1.0 else f"multiplied by {1 / unit:g}"
+            more = "more" if unit > 1.0 else "less"
+            return f"{name} is drawn {how}, as it varies far {more} than {other} and both axes have one scale."
+    return ""
 
 
 def _changes(system: core.PiecewiseSystem) -> str:

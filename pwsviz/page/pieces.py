@@ -8,7 +8,7 @@ from typing import Any
 from pwsviz.export.endings import endings
 from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.lines import line_of
-from pwsviz.figures.portrait_text import bodies_text, marks_text, portrait_note
+from pwsviz.figures.portrait_text import bodies_text, marks_text, portrait_note, scale_note
 from pwsviz.page.export_dialog import NOT_YET, Piece
 from pwsviz.page.portrait_panel import PortraitPanel
 from pwsviz.results.results import Pictures, PortraitInputs, Results
@@ -27,10 +27,10 @@ def pieces_of(scene: Scene, results: Results, panel: PortraitPanel, view: Tab) -
     if shown is not None and shown.inputs == PortraitInputs.of(scene):
         all_runs = drawn_runs(shown.inputs, scene.selected, results.run)
         tables, runs = {**portrait_tables(all_runs), **drawn_table(shown)}, list(all_runs())
-        meaning = _meaning(scene, panel, shown)
+        meaning, drawn = _meaning(scene, panel, shown), (scene.declaration, shown.plane)
         said: dict[str, Any] = {
             "meaning": meaning,
-            "key": bodies_text(scene.declaration, shown.plane.axes),
+            "key": " ".join(filter(None, (scale_note(*drawn), bodies_text(scene.declaration, shown.plane.axes)))),
             **_course(runs),
         }
         portrait = Piece("Phase portrait", tables, [panel.portrait.figure], **said)
@@ -57,6 +57,7 @@ def _meaning(scene: Scene, panel: PortraitPanel, shown: Pictures) -> str:
         STEPS_MARKED * panel.portrait.marks_steps,
         symbols_text(scene.used, panel.portrait.marks_steps),
         panel.warned,
+        scale_note(scene.declaration, shown.plane),
         portrait_note(scene.declaration, shown.plane.axes, caption=True),
     ]
     return " ".join(filter(None, told))

@@ -20,6 +20,7 @@ from pwsviz.figures.portrait_text import (
     parted_words,
     perturbed_words,
     portrait_note,
+    scale_note,
     which_start,
 )
 from pwsviz.figures.style import describe
@@ -230,7 +231,8 @@ class PortraitPanel(pn.viewable.Viewer):
         self.shown = outcome
         self._mark_starts()
         self.sight.show(outcome)
-        self.note.object = law_markup(system) + as_text(portrait_note(system, axes), "about")
+        scaled, left_out = scale_note(system, outcome.plane), portrait_note(system, axes)
+        self.note.object = as_text(scaled, "about") + law_markup(system) + as_text(left_out, "about")
         self._tell(outcome)
         self._cover()
         self._submit_frames()

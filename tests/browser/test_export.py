@@ -204,6 +204,18 @@ def test_a_short_caption_takes_at_most_five_lines_and_the_full_one_is_in_the_met
     assert "y′ = 3x² + a₋" in re.search("<desc>(.*?)</desc>", svg)[1]
 
 
+def test_a_full_caption_takes_at_most_a_fourth_of_a_picture_of_one_column_in_type_of_seven_points(visit):
+    page = opened_for_a_column(visit)
+    page.get_by_role("button", name="full", exact=True).click()
+    svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
+    lines = re.findall(r'<text x="[^"]*" y="([^"]*)"[^>]*font-size="([0-9.]+)px"', svg.rpartition("</g>")[2])
+    height = float(re.search(r'viewBox="0 0 [0-9.]+ ([0-9.]+)"', svg)[1])
+    wide = float(re.search(r'viewBox="0 0 ([0-9.]+) ', svg)[1])
+    assert len(lines) > 7
+    assert (height - float(lines[0][0])) / height < 0.25
+    assert float(lines[0][1]) / wide * 85 / 25.4 * 72 >= 6.99, "points"
+
+
 TEXT_LINES = """svg => {
     const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement
     return [...root.querySelectorAll(":scope > text")].map(text => text.textContent)

@@ -7,7 +7,7 @@ import pytest
 
 import core
 from core.diagnostics import inhabited
-from pwsviz.figures.portrait_text import law_markup, portrait_note
+from pwsviz.figures.portrait_text import law_markup, portrait_note, scale_note
 from pwsviz.geometry.line_pieces import area
 from pwsviz.geometry.phase_plane import backdrop, closed_surface
 from pwsviz.geometry.plane import Plane
@@ -236,3 +236,14 @@ def test_the_equations_stand_below_the_portrait_unless_they_are_long():
 def test_of_instants_it_is_said_what_happens_at_them(plus, jump, words):
     system = core.PiecewiseSystem("Kicked", ("x", "v"), ("v", "-x"), ("v", plus), "sin(t)", jump=jump, x0=(1.0, 0.0))
     assert f"At the instants at which sin(t) = 0 {words} the whole plane at once" in portrait_note(system, XY)
+
+
+def test_a_variable_that_is_drawn_in_a_unit_of_its_own_is_explained_in_words():
+    table = core.CATALOGUE["vibrating_table"]
+    why = "far {} than y and both axes have one scale."
+    assert (
+        scale_note(table, Plane((1, 2), (1.0, 10.0))) == f"v is drawn divided by 10, as it varies {why.format('more')}"
+    )
+    less = scale_note(table, Plane((2, 1), (0.01, 1.0)))
+    assert less == f"v is drawn multiplied by 100, as it varies {why.format('less')}"
+    assert scale_note(table, Plane((1, 2))) == ""
