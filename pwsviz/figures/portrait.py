@@ -422,7 +422,7 @@ class PortraitView:
         x, y = self.starts.data["x"], self.starts.data["y"]
         numbers, crowds = star_labels(list(zip(x, y, strict=True)), self._visible or self.frame)
         if self._pictures is not None and crowds != list(self.starts.data["crowd"]):
-            sizes = _star_sizes(numbers, self.starts.data["chosen"])
+            sizes = _star_sizes(numbers, list(self.starts.data["chosen"]))
             self.starts.data = {**self.starts.data, "number": numbers, "crowd": crowds, "size": sizes}
 
     def _fit_curves(self, pictures: Pictures) -> None:
