@@ -70,7 +70,7 @@ MEANINGS = {
 ADDITIONAL = ("f/|f|", "ψ = const.", OWN_LEVEL)
 """Entries of the legend that a first look can do without: on the page they are to be unfolded.
 
-Whether a surface attracts or repels decides what runs do there, and is rare: that is always told where it is seen.
+Whether a surface attracts or repels decides what runs do there, and is rare: only a phone folds that, too.
 """
 
 

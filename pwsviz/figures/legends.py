@@ -41,7 +41,8 @@ button:focus-visible { outline: 2px solid; }
 """The entries that are folded, and the button that unfolds them."""
 
 FOLD = """
-const rest = new Set(own.model.items.slice(own.model.items.length - folding))
+const folded = folding + (innerWidth < NARROW ? ON_PHONES : 0)
+const rest = new Set(own.model.items.slice(own.model.items.length - folded))
 const own_entries = () => own.entries.filter(({ item }) => item.visible && rest.has(item))
 const button = grid.button ??= document.createElement("button")
 const fold = () => {
@@ -78,7 +79,14 @@ if (button.onclick == null) {
 FEWEST = 2
 """Fewest entries that are folded; a single one takes as much room as the button."""
 
-KEEP_PLACE = """
+ON_PHONES = 2
+"""Entries that are folded besides on a narrow screen, where the legend would take a third row."""
+
+NARROW = 600
+"""Pixels below which a screen is that narrow."""
+
+KEEP_PLACE = (
+    """
 const found = id => cb_context.index.query_one(view => view.model.id == id)
 const own = found(legend), grid = own?.grid_el, { el, frame } = found(plot) ?? {}
 if (grid != null && el != null) {
@@ -95,7 +103,11 @@ if (grid != null && el != null) {
   }
   if (folding > 0) { FOLD }
 }
-""".replace("FOLD", FOLD).replace("FEWEST", str(FEWEST))
+""".replace("FOLD", FOLD)
+    .replace("FEWEST", str(FEWEST))
+    .replace("ON_PHONES", str(ON_PHONES))
+    .replace("NARROW", str(NARROW))
+)
 """JavaScript that gives a legend the width of its figure, and makes the figure as much taller as the legend is taller
 than usual, and has its entries painted when it makes them anew.
 

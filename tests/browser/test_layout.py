@@ -358,7 +358,7 @@ def test_no_entry_of_a_legend_is_cut_on_a_narrow_screen(visit, view, wanted):
 
 def test_on_a_phone_the_legend_of_the_portrait_has_two_rows_until_it_is_unfolded(phone):
     shown = lambda: [one["label"] for one in phone.evaluate(LEGENDS)]  # noqa: E731
-    rest = ["f/|f|", "ψ = const."]
+    rest = ["f/|f|", "ψ = const.", "S attracts", "S repels"]
     assert becomes(phone, lambda: "start" in shown() and not {*rest} & {*shown()}), shown()
     assert phone.evaluate(KEYS)["legend"] <= 2 * 18 + 2
     button = phone.get_by_role("button", name="more entries of the legend")

@@ -45,7 +45,7 @@ def test_entries_of_a_legend_reach_no_figure_and_no_other_legend(plot):
             assert not [model for model in reached if isinstance(model, Plot | Legend | LegendItem)], item.label
 
 
-def test_what_a_surface_does_is_told_before_the_field_and_never_folded():
+def test_what_a_surface_does_is_told_before_the_field_and_folded_on_phones_alone():
     ground = PortraitView(*[print] * 5).ground
     names = [name for name, _ in ground.legend]
     assert {ATTRACTS, REPELS}.isdisjoint(names[-ground.additional :])
