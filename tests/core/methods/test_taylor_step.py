@@ -190,9 +190,14 @@ def test_a_step_from_beside_the_pole_of_a_tangent_is_as_long_as_others_where_the
 
 
 def test_a_coordinate_that_falls_far_below_the_others_is_followed_to_where_it_grows_again():
-    """x' = x(1 − x), y' = −y and x' = −x, y' = y(1 − y) by turns: y falls to 10⁻¹³, where an error of the tolerance
-    times x is a tenth of it, and then grows to 1. Each part has a closed form."""
-    logistic = lambda u, s: u / (u + (1.0 - u) * np.exp(-s))  # noqa: E731
+    """While x' = x(1 − x), y falls to 10⁻¹³, where the tolerance times x is a tenth of it; then y' = y(1 − y).
+
+    Each part has a closed form.
+    """
+
+    def logistic(u, s):
+        return u / (u + (1.0 - u) * np.exp(-s))
+
     for half in (7.0, 8.0, 9.0):
         turn = np.pi * half
         system = core.PiecewiseSystem(
