@@ -135,10 +135,10 @@ def _first_moving(c, d, order):
 @always_inlined
 def _are_small(c, d, order, state, last):
     """Whether the last coefficient of each coordinate is small beside its value, by the ratio of their norms."""
+    large = 0
     for i in range(d):
-        if abs(c[i, unsigned(order)]) * state > _OF_EACH * abs(c[i, 0]) * last:
-            return False
-    return True
+        large += abs(c[i, unsigned(order)]) * state > _OF_EACH * abs(c[i, 0]) * last
+    return large == 0
 
 
 @jitted

@@ -73,8 +73,9 @@ def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
     """Lines that evaluate the coefficients, and leave the loop around them unless they have to be evaluated again.
 
     That is necessary in another unit of time: a longer one where a state near the origin makes it so short that
-    rounding of the time could hide the step, as that may by hundreds of powers of ten, each time longer by the square. And if high coefficients vanish although the solution is not a polynomial
-    of low degree, as for x' = 1, y' = x**30 at x = 0; the step length is then limited by that at a nearby state.
+    rounding of the time could hide the step. That may be so by hundreds of powers of ten: each time it is made longer
+    by the square. And if high coefficients vanish although the solution is not a polynomial of low degree, as for
+    x' = 1, y' = x**30 at x = 0; the step length is then limited by that at a nearby state.
     """
     names, d = Names(laws), len(laws.x)
     rows = range(d, d + len(mode.guards))
