@@ -40,9 +40,10 @@ def cancelled(run: Trajectory) -> Iterator[str]:
         A sentence without the last full stop.
     """
     extent = np.fmax(np.ptp(run.x, axis=0), _MOVES * np.abs(run.x).max(axis=0))
-    resets = _rounding_of_resets(run)
     yield from _told(run, "' cancel", "the field", *_by_rates(run, extent), extent)
-    yield from _told(run, " after a reset cancel", "the reset map", resets, resets, extent)
+    resets, moved = _rounding_of_resets(run)
+    told = tuple(_told(run, " after a reset cancel", "the reset map", resets, resets, extent))
+    yield from told or _told_of_steep_resets(run, moved, extent)
     if METHODS[run.method].conservative and run.system.laws.most_conserved:
         part = _of_gradients(run)
         if part > _HALF:
@@ -64,6 +65,18 @@ def _told(run: Trajectory, what: str, where: str, moved: Floats, noise: Floats, 
         )
 
 
+def _told_of_steep_resets(run: Trajectory, moved: Floats, extent: Floats) -> Iterator[str]:
+    """Tell the variable that the rounding of the state before a reset moves farthest, if that is half its digits."""
+    lost = np.divide(moved, extent, out=np.zeros_like(extent), where=extent > 0.0)
+    if lost.max() > _HALF:
+        worst = int(np.argmax(lost))
+        by = f"by {moved[worst]:.1g}" if np.isfinite(moved[worst]) else "without bound"
+        yield (
+            f"Rounding of the state before a reset changes {run.system.variables[worst]} after it {by}: the reset map "
+            "varies too fast there. No step size helps: write the reset map otherwise, or start elsewhere"
+        )
+
+
 def _by_rates(run: Trajectory, extent: Floats) -> tuple[Floats, Floats]:
     """(d,) how far the rounding of its rate moves each variable, and that rounding.
 
@@ -82,10 +95,10 @@ def _by_rates(run: Trajectory, extent: Floats) -> tuple[Floats, Floats]:
     return moved, noise
 
 
-def _rounding_of_resets(run: Trajectory) -> Floats:
-    """(d,) the rounding of the reset maps at the first jumps at each surface."""
+def _rounding_of_resets(run: Trajectory) -> tuple[Floats, Floats]:
+    """(d,) the rounding of the reset maps at the first jumps at each surface, and (d,) what that of the state makes."""
     laws, met, p = run.system.laws, run.crossings, run.system.parameter_array
-    rounding = np.zeros(len(laws.x))
+    rounding, moved = np.zeros((2, len(laws.x)))
     for surface, jump in {(way.surface, way.jump) for ways in laws.ways for way in ways if way.jump is not None}:
         rows = np.flatnonzero(met.surface_met == surface)[:_STATES]
 
@@ -93,8 +106,16 @@ def _rounding_of_resets(run: Trajectory) -> Floats:
             t, x = met.t[rows].astype(precision), met.x[rows].astype(precision)
             return laws.evaluate(("reset map", jump), jump, t, x, p)
 
-        rounding = np.fmax(rounding, _and_rounding(after)[1])
-    return rounding
+        values, noise = _and_rounding(after)
+        rounding = np.fmax(rounding, noise)
+        for k in range(len(laws.x)):
+            for way in (-np.inf, np.inf):
+                x = met.x[rows].copy()
+                x[:, k] = np.nextafter(x[:, k], way)
+                other = laws.evaluate(("reset map", jump), jump, met.t[rows], x, p)
+                with np.errstate(all="ignore"):
+                    moved = np.fmax(moved, np.fmax.reduce(np.abs(other - values), axis=0, initial=0.0))
+    return rounding, moved
 
 
 def _of_gradients(run: Trajectory) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from core.codegen.rounding import with_roundings
 from core.diagnostics.encounters import Branch, by_number
 from core.diagnostics.scheme import Scheme, largest_component
 from core.integration.crossings import Integers
@@ -30,6 +31,7 @@ _PARTS_AFTER = np.arange(1, 17) / 16.0
 _RADII = 4.0 ** np.arange(-1, 5)
 #: Radius of the differences from which that L₂ is computed, relative to the size of the state.
 _NEARBY = 1e-3
+_EPS = 2.0**-52
 
 
 def second_rate_bound(scheme: Scheme, branch: Branch) -> Floats:
@@ -83,14 +85,15 @@ def meets_again(scheme: Scheme, branch: Branch) -> NDArray[np.bool_]:
     """(k,) whether g has the wrong sign at the end of a step from the surface, or the step has no solution.
 
     The steps are parts of the longest, in either direction. Where all have the right sign, the scheme does not meet
-    the surface again within a step, whatever the sufficient conditions of the theory leave open.
+    the surface again within a step, whatever the sufficient conditions of the theory leave open. A sign within the
+    rounding of g is not wrong: a state may leave the surface so slowly that it moves by no unit in its last place.
     """
     way, wrong = np.sign(branch.rate), np.zeros(len(branch.t), dtype=bool)
     for part in _PARTS_AFTER:
         h = part * branch.length
         v = by_number(branch.mode, scheme.velocity, branch.t, branch.x, h)
-        g = _heights(scheme.system, branch, branch.t + h, branch.x + h[:, None] * v)
-        wrong |= ~(way * np.sign(h) * g > 0.0) & (h != 0.0)
+        g, rounding = _heights(scheme.system, branch, branch.t + h, branch.x + h[:, None] * v).T
+        wrong |= ~(way * np.sign(h) * g > -_EPS * rounding) & (h != 0.0)
     return np.asarray(wrong & branch.known)
 
 
@@ -173,10 +176,10 @@ def _slopes(system: PiecewiseSystem, branch: Branch) -> Floats:
 
 
 def _heights(system: PiecewiseSystem, branch: Branch, t: Floats, x: Floats) -> Floats:
-    """(k,) g of the surface of a branch at other points."""
+    """(k, 2) g of the surface of a branch at other points, and a bound on its rounding in units of eps."""
 
     def of(surface: int, t: Floats, x: Floats) -> Floats:
-        return _values(system, ("g", surface), (system.laws.surfaces[surface],), t, x)[:, 0]
+        return _values(system, ("g and rounding", surface), with_roundings((system.laws.surfaces[surface],)), t, x)
 
     return by_number(branch.surface, of, t, x)
 

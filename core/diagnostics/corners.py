@@ -112,7 +112,8 @@ def _passages(run: Trajectory) -> list[_Passage]:
     """Crossings within a step of a corner, in order of time."""
     system, laws, crossings, p = run.system, run.system.laws, run.crossings, run.system.parameter_array
     count = len(laws.surfaces)
-    known = np.flatnonzero((crossings.kind != "corner") & (crossings.surface_met >= 0))
+    at_once = np.diff(crossings.t, prepend=np.nan) == 0.0  # a surface beyond which a jump led: it was met after that
+    known = np.flatnonzero((crossings.kind != "corner") & (crossings.surface_met >= 0) & ~at_once)
     t, x, met = crossings.t[known], crossings.x[known], crossings.surface_met[known]
     arriving = np.concatenate([run.mode[:1], crossings.mode])[known]  # of each crossing, the mode before it
     heights, rounding = _heights(run, known)

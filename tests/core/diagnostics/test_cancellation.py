@@ -61,3 +61,17 @@ def test_a_run_of_no_length_is_not_warned():
     run = core.integrate(far(10), (0.0, 0.0), method="rk4", tau=0.1)
     assert np.array_equal(run.t, [0.0])
     assert not list(cancelled(run))
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8", "gauss4"])
+@pytest.mark.parametrize(
+    "after",
+    ["1/(v + sqrt(2))", "-log((v + sqrt(2))**2)", "2 + tanh(1e18*(v + sqrt(2)))", "1 + ((sqrt(2) + v)**2)**(1/10)"],
+)
+def test_a_reset_map_that_varies_too_fast_where_the_state_meets_it_is_told(after, method):
+    """The ball hits the ground with v = −√2, known to its last digit at best."""
+    ball = core.PiecewiseSystem("ball", ("x", "v"), ("v", "-1"), ("v", "-1"), "x", jump=("x", after), x0=(1.0, 0.0))
+    run = core.integrate(ball, (0.0, 1.5), tau=0.01, method=method)
+    assert run.status is not core.Status.COMPLETED or run.warning, run.crossings.x_after
+    smooth = core.PiecewiseSystem("ball", ("x", "v"), ("v", "-1"), ("v", "-1"), "x", jump=("x", "-v**3"), x0=(1.0, 0.0))
+    assert not core.integrate(smooth, (0.0, 1.5), tau=0.01, method=method).warning

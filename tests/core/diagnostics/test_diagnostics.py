@@ -388,3 +388,12 @@ def test_a_bound_that_is_exceeded_is_no_warning_where_the_scheme_does_not_meet_t
     run = core.integrate(system, (0.0, 30.0), tau=0.1, method=method)
     assert any("discrete transversality" in words for words in diagnose(run).warnings)
     assert step_warning(run) == ""
+
+
+@pytest.mark.parametrize("rate", [1e-14, 1e-16, 1e-300])
+def test_a_surface_that_is_left_so_slowly_that_no_digit_changes_is_not_said_to_be_met_again(rate):
+    law = ("y", f"-{rate!r}*x")
+    slow = core.PiecewiseSystem("slow", ("x", "y"), law, ("y", "-x"), "y + 0.2", x0=(1.0, 1.0))
+    for method in ("rk4", "rk8", "gauss4"):
+        run = core.integrate(slow, (0.0, 4.0), tau=0.02, method=method)
+        assert (run.crossing_count, run.warning) == (1, "")

@@ -224,3 +224,15 @@ def test_a_point_in_a_box_is_judged_though_rounding_puts_it_beside_the_walls(met
         assert run.warning == ""
         place = (x0[0] + x0[2] * 300.0) % 2.0
         assert abs(run.x[-1, 0] - min(place, 2.0 - place)) < 1e-9
+
+
+def test_a_threshold_beyond_which_a_jump_leads_is_not_met_first():
+    """Two cells that fire: x = 1 is met at y = 0.959, and that jump alone leads past y = 1."""
+    cells = core.PiecewiseSystem(
+        "cells", ("x", "y"), surfaces=("x - 1", "y - 1"), regions={"--": core.Region(f=("1.5 - x", "1.7 - y"))},
+        jumps={0: ("0", "y + 0.1"), 1: ("x + 0.1", "0")}, x0=(0.455, 0.152),
+    )  # fmt: skip
+    run = core.integrate(cells, (0.0, 1.0), method="taylor")
+    met = float(np.log(1.045 / 0.5))
+    assert run.crossings.t == pytest.approx([met, met], rel=1e-12)
+    assert not run.warning
