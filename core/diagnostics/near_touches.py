@@ -51,6 +51,8 @@ _NEARBY = 0.05
 _HALVINGS = 6
 #: Trial steps to the least height.
 _TRIALS = 12
+#: Largest ratio of one trial step to the last that is taken for that in which they go on to shrink.
+_RATIO = 0.99
 #: How a run ends at a touch, which is told then.
 _TOUCHES = (Status.GRAZING, Status.ZENO)
 _EPS = 2.0**-52
@@ -168,7 +170,7 @@ class _Search:
         far = _FARTHEST * self.longest + abs(low)
         height, rate, noise = self.height(place, low)
         step = -self.way * math.copysign(2.0**-10 * self.longest, rate)
-        bend = math.nan
+        bend = last = math.nan
         for _ in range(_TRIALS):
             s = low + step
             if not abs(s) <= far:
@@ -177,12 +179,12 @@ class _Search:
             bend = (after - rate) / step * self.way
             if not bend > 0.0:
                 return None
-            low, rate = s, after
+            low, rate, last = s, after, step
             step = -after / bend * self.way
             if abs(step) <= 4.0 * _EPS * abs(place.t) or 0.5 * bend * step * step <= _EPS * noise:
                 break
-        else:  # a multiple zero of the rate: how low it comes is not known
-            noise = max(noise, height)
+        else:  # a multiple zero of the rate, to which steps shrink in a ratio: it may come lower on all of them
+            noise = max(noise, abs(rate * step) / (1.0 - min(max(step / last, 0.0), _RATIO)))
         noise = max(noise, self.noise_of_states(place, low))
         instant = not self.run.system.laws.mode(place.mode).written.heights[place.guard].has(*self.run.system.laws.x)
         return _Least(place.t + low, height, noise, bend, instant)

@@ -36,7 +36,7 @@ _FREEST = -14.0
 #: The error allowed in each coordinate is this many times the tolerance, relative to it …
 _OF_EACH = 2.0**10
 #: … but at least relative to this part of the largest coordinate.
-_LEAST_PART = 2.0**-104
+_LEAST_PART = 2.0**-1000
 #: How often a step is shortened for that, at most.
 _SHORTENINGS = 8
 #: log₂ e.

@@ -38,11 +38,6 @@ _AGREE = 0.15
 _LEAST = 3
 #: If the slopes within `_SPAN` differ by more than this, as without a transition, all points enter the fit.
 _SCATTER = 1.0
-#: The same where slopes are ragged throughout, as few of scattered points may agree by chance, if the standard error
-#: of the slope within `_SPAN` is larger than this.
-_UNSURE = 0.05
-#: Slopes are ragged if more than this part of the changes from one to the next are turns.
-_TURNS = 0.5
 #: Least number of steps to a state that is compared: after fewer, the shortened last step distorts the order.
 _FEWEST_STEPS = 4
 #: Round-off of state and reference together, in units of eps times the size of the state.
@@ -401,22 +396,9 @@ def _asymptotic(x: Floats, y: Floats) -> int:
     """Number of points, from the finest on, in the asymptotic range as judged by the slopes."""
     between = np.diff(y) / np.diff(x)
     near = max(_LEAST, int(np.count_nonzero(x <= x[0] + math.log(_SPAN) + 1e-9))) if len(x) else 0
-    if np.ptp(between[: near - 1]) > _SCATTER or (_is_ragged(between) and _slope_error(x[:near], y[:near]) > _UNSURE):
+    if np.ptp(between[: near - 1]) > _SCATTER:
         return len(x)
     count = _LEAST
     while count <= len(between) and np.ptp(between[:count]) <= _AGREE:
         count += 1
     return max(near, count)
-
-
-def _is_ragged(between: Floats) -> bool:
-    """Whether slopes between neighbouring points mostly go up and down in turn, as those of scattered points do."""
-    rises = np.diff(between) > 0
-    return bool(np.count_nonzero(rises[1:] != rises[:-1]) > _TURNS * max(len(rises) - 1, 1))
-
-
-def _slope_error(x: Floats, y: Floats) -> float:
-    """Return the standard error of the least-squares slope of three or more points."""
-    x, y = x - x.mean(), y - y.mean()
-    residuals = y - (x @ y) / (x @ x) * x
-    return math.sqrt(residuals @ residuals / (x @ x) / max(len(x) - 2, 1))

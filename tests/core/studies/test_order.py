@@ -64,15 +64,6 @@ def test_the_fit_leaves_out_step_sizes_that_are_not_yet_asymptotic():
     assert np.isnan(slopes[1])  # nothing but round-off
 
 
-def test_all_points_enter_the_fit_where_they_scatter_also_if_the_finest_few_agree_by_chance():
-    # Of errors as without a transition: the slopes of the finest are 0.5 and 0.9, those of all lie about 1.
-    taus = 0.1 * 2.0 ** -np.arange(0, 8, 0.5)
-    off = np.array([0.0, 0.2, -0.1, 0.15, -0.2, 0.1, -0.15, 0.2, -0.1, 0.1, -0.2, 0.15, -0.1, 0.0, 0.05, 0.25])
-    slopes, windows = order._fits(taus, (taus * np.exp(off))[None], np.full(1, 1e-14), size=1.0)
-    assert windows[0].tolist() == [taus.min(), taus.max()]
-    assert slopes[0] == pytest.approx(1.0, abs=0.1)
-
-
 @by_name
 @pytest.mark.parametrize(
     ("method", "coarsest", "finest"),
