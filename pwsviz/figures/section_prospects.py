@@ -35,8 +35,8 @@ def prospects(system: core.PiecewiseSystem, view: str, shown: str = "", of: str 
     stroboscopic = any(TIME in h.free_symbols for h in surface_functions(system, of))
     if _is_flow_in_the_plane(system) and not stroboscopic:
         words.append(
-            "After a transient few distinct points are to be expected. In the plane, where the law does not depend on "
-            "time, bounded orbits generally end in an equilibrium or a closed orbit."
+            "Few distinct points are to be expected, perhaps after a transient. In the plane, where the law does not "
+            "depend on time, bounded orbits generally are closed, or end in an equilibrium or a closed orbit."
         )
     if _conserves(system):
         words.append(

@@ -12,7 +12,7 @@ import core
 from core.studies import Grazing, outcome_words
 from pwsviz.figures.colours import VERMILION
 from pwsviz.figures.conserved import FLOOR, drawable
-from pwsviz.figures.conserved_text import axis_name
+from pwsviz.figures.conserved_text import CEILING, axis_name
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.lines import LOOK_COLUMNS, line_of, look_columns, widths_in_time
 from pwsviz.figures.stability_text import side_words, wrong_number
@@ -24,6 +24,9 @@ from pwsviz.text.advice import on_page
 from pwsviz.text.numbers import printed
 
 __all__ = ["DriftFigure", "GrazingFigure"]
+
+STOPS, STOPS_BEYOND = "the run stops", "the run stops (at the top: above plot range)"
+"""Names of the marks of runs that stop."""
 
 _CURVE = ("xs", "ys", *LOOK_COLUMNS, "width")
 
@@ -49,7 +52,7 @@ class DriftFigure:
         mark_levels(plot, {MACHINE_EPSILON: "eps = 2⁻⁵²", FLOOR: BELOW_RANGE})
         self.corners = fit_to_corners(plot, [1.0, 1e3], [FLOOR / 2, 1e-12])
         plot.add_tools(tips([("", "@method"), ("", "@message")], renderers=[stops]))
-        self._stopping = legend_below(plot, [({"field": "method"}, lines), ("the run stops", stops)])[1]
+        self._stopping = legend_below(plot, [({"field": "method"}, lines), (STOPS, stops)])[1]
 
     def show(self, study: core.StabilityStudy, met: str = "crossings") -> None:
         """Draw what is computed of the long runs, which meet crossings, jumps or both."""
@@ -70,7 +73,8 @@ class DriftFigure:
             "method": [methods[k] for k, _ in stopped],
             "message": [as_met(printed(on_page(drift.message[k])), met) for k, _ in stopped],
         }
-        self._stopping.visible = bool(stopped)
+        beyond = any(drift.error[k][n] > CEILING for k, n in stopped)
+        self._stopping.update(visible=bool(stopped), label={"value": STOPS_BEYOND if beyond else STOPS})
         assign(self.corners, x=drift.t[[0, -1]], y=np.array([FLOOR / 2, _top(heights)]))
 
 

@@ -5,7 +5,7 @@ import pytest
 import core
 from pwsviz.figures.section_prospects import prospects
 
-FEW, OTHERS = "few distinct points are to be expected", "other starts may give a different section"
+FEW, OTHERS = "Few distinct points are to be expected", "other starts may give a different section"
 
 
 @pytest.mark.parametrize(
@@ -35,5 +35,5 @@ def test_where_little_is_to_be_seen_the_examples_of_the_view_are_named(view, tit
 
 def test_of_a_stroboscopic_section_of_a_flow_in_the_plane_it_is_not_said_that_few_points_remain():
     system = core.CATALOGUE["elliptic_curve"]
-    assert "few distinct points" in prospects(system, "section", of="x - 1")
-    assert "few distinct points" not in prospects(system, "section", of="sin(3*t)")
+    assert FEW in prospects(system, "section", of="x - 1")
+    assert FEW not in prospects(system, "section", of="sin(3*t)")

@@ -415,6 +415,17 @@ def test_nobody_is_judged_where_the_solution_stops(study):
     assert "the reference ends early" in stability_text(stopped, "grazing")
 
 
+def test_a_run_that_stops_above_the_plot_range_is_marked_at_the_top_in_these_words(study):
+    error = study.drift.error.copy()
+    named = {}
+    for last in (1e-3, 1e16):
+        error[1, 5], error[1, 6:] = last, np.nan
+        view = StabilityView(lambda *place: None)
+        view.show(replace(study, drift=replace(study.drift, error=error, message=("", "it stops"))), "drift", "dmm2")
+        named[last] = view._made["drift"]._stopping.label["value"]
+    assert named == {1e-3: "the run stops", 1e16: "the run stops (at the top: above plot range)"}
+
+
 def test_drift_bounds_each_integrator(study):
     assert "20,000 steps of size τ = 0.02" in stability_text(study, "drift")
     (table,) = stability_numbers(study, "drift", "dmm2")
