@@ -181,11 +181,11 @@ def _resolving_each(c, d, order, tolerance, h):
 
 
 @always_inlined
-def _step_length_of_all(c, d, order, tolerance, norms):
+def _step_length_of_all(c, d, order, tolerance, state, before, last):
     """The step length by the norms of the state and of its last two coefficients."""
     shrink = min(-1.0, _log2(tolerance) / order)
     factor = shrink - 0.7 * _LOG2_E / (order - 1)
-    state, before, last = norms[0], _log2(norms[1]), _log2(norms[2])
+    before, last = _log2(before), _log2(last)
     h = 0.0
     if state != 0.0:
         h = _exp2(_log_radius(_log2(state), before, last, order, 0) + factor)
@@ -231,10 +231,10 @@ def step_length(c, d, order, tolerance):
         order = _last_nonzero(c, d, order)
         if order == 0:
             return math.inf
-    norms = state, before, last = _norm(c, d, 0), _norm(c, d, order - 1), _norm(c, d, order)
+    state, before, last = _norm(c, d, 0), _norm(c, d, order - 1), _norm(c, d, order)
     if not state + before + last < math.inf:
         return math.nan
-    h = _step_length_of_all(c, d, order, tolerance, norms)
+    h = _step_length_of_all(c, d, order, tolerance, state, before, last)
     if _are_small(c, d, order, state, last) and _are_small(c, d, order - 1, state, before):
         return h
     return _resolving_each(c, d, order, tolerance, h)

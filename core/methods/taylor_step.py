@@ -35,8 +35,12 @@ _TERMS = 3
 _LEAST_EXTENT = 2.0**-60
 #: Largest number of evaluations of the coefficients: one beside the state, others at the state in new units of time.
 _ATTEMPTS = 16
-#: Most by which a unit of time is made longer at once.
+#: Most by which a unit of time is made longer at once, where its powers underflow …
 _STRETCHED = 2.0**300
+#: … which those of a shorter one than this may …
+_UNDERFLOWS = 2.0**-40
+#: … and in all elsewhere: a solution that grows without bound is followed to where it is too large, step by step.
+_STRETCHED_IN_ALL = 2.0**100
 #: Displacement of the state beside which the coefficients are evaluated, relative to the state …
 _BESIDE = 0.5
 #: … times 1 + k/_PRIME for coordinate k (modulo _PRIME), so that coordinates are displaced by different amounts.
@@ -93,9 +97,13 @@ def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
         lines += [f"    away = {_BESIDE}*(size + unit*speed if size + speed > 0.0 else 1.0)", "    continue"]
     lines += _faint_lines()
     lines += [f"short = length > {_LONGEST} and not limit <= {_LONGEST} and unit*{_LONGEST} < abs(h)"]
+    lines += [f"short = short and (shrink < {_STRETCHED_IN_ALL} or unit < {_UNDERFLOWS})"]
     lines += [f"if length >= {_SHORTEST} and not short:", "    break"]
     lines += ["if short:", "    shrink, limit = shrink * stretch, limit / stretch"]
-    lines += [f"    stretch = min(stretch * stretch, {_STRETCHED})", "    continue"]
+    lines += [
+        f"    stretch = min(stretch*stretch, {_STRETCHED}) if unit < {_UNDERFLOWS} else {_LONGEST}",
+        "    continue",
+    ]
     return [*lines, f"shrink, stretch = shrink * correction_of_unit(length, unit, abs(h) / {_SHORTEST}), {_LONGEST}"]
 
 
