@@ -8,7 +8,7 @@ from pwsviz.figures.colours import BLUE, GREEN, VERMILION
 from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
-from tests.browser.looking import await_painted, settled_picture
+from tests.browser.looking import await_painted, becomes, settled_picture
 
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
@@ -70,7 +70,7 @@ def test_a_block_that_sticks_is_followed_and_stops_on_request(shown):
     page = shown("sticking")
     page.get_by_text(re.compile("3 crossings, 1 slide")).first.wait_for()
     page.get_by_text(re.compile("keeps g exactly while it slides")).first.wait_for()
-    assert painted(page, (0.2, 0.0), rgb(GREEN)) > 20, "where the surface attracts"
+    assert becomes(page, lambda: painted(page, (0.2, 0.0), rgb(GREEN)) > 20), "where the surface attracts"
     page.get_by_label("Slide along the surface (Filippov)").uncheck()
     page.get_by_text(re.compile("To follow it along the surface, choose “Slide along the surface”")).first.wait_for()
     page.wait_for_function("location.search.includes('slide=off')")

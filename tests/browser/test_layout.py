@@ -7,7 +7,7 @@ import pytest
 
 from pwsviz.scene.views import VIEWS
 from pwsviz.widgets.lecture import LABELS, LARGER
-from tests.browser.looking import BLANK_KEYS, THEME, await_built, await_painted, becomes, canvas, field
+from tests.browser.looking import BLANK_KEYS, RUN, THEME, await_built, await_painted, becomes, canvas, field
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
 pytestmark = pytest.mark.browser
@@ -460,9 +460,10 @@ CUT = """() => {
 
 
 @pytest.mark.deep
-@pytest.mark.deep
 def test_on_a_phone_a_view_that_is_chosen_comes_into_sight(phone):
     tabs = phone.get_by_role("tablist")
+    phone.get_by_text(RUN).first.wait_for()  # what is told of the first run moves the tabs
+    await_still(phone)
     assert tabs.bounding_box()["y"] > 400
     phone.get_by_role("tab", name="Order").tap()
     assert becomes(phone, lambda: tabs.bounding_box()["y"] < 200)
